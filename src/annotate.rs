@@ -1,0 +1,171 @@
+//! The main job as a list of verbs: read, weld, estimate, colour, write.
+
+use crate::annotation::{Annotation, ColorCarrier, Space, Unit};
+use crate::color::{self, ColorScale, Colormap, Range};
+use crate::curvature::{self, CurvatureOptions, Radius};
+use crate::error::Error;
+use crate::io::{self, Destination, InputFormat, OutputFormat};
+use crate::mesh::{Mesh, MeshOptions};
+use crate::progress::Progress;
+use crate::quantity::{Quantity, Selection};
+use crate::statistics::{CurvatureSummary, Seconds, Summary};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+/// Which of the input's axes points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UpAxis {
+    /// +Y, as in glTF.
+    Y,
+    /// +Z; a glTF output is turned so that it becomes +Y.
+    Z,
+}
+
+/// Settings for [`annotate`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnnotateOptions {
+    /// Welding and edge kinds.
+    pub mesh: MeshOptions,
+    /// Estimation.
+    pub curvature: CurvatureOptions,
+    /// Quantities to write.
+    pub selection: Selection,
+    /// The quantity that colours show; `None` for no colours. Default: mean.
+    pub color_by: Option<Quantity>,
+    /// The colour map; `None` for the quantity's own.
+    pub colormap: Option<Colormap>,
+    /// The values at the ends of the colour map.
+    pub range: Range,
+    /// How a glTF file carries colours.
+    pub carrier: ColorCarrier,
+    /// The input's up axis; `None` for Z in STL and Y in everything else.
+    pub up: Option<UpAxis>,
+    /// The input's unit; `None` leaves lengths as they are.
+    pub unit: Option<Unit>,
+}
+
+impl Default for AnnotateOptions {
+    fn default() -> Self {
+        AnnotateOptions {
+            mesh: MeshOptions::default(),
+            curvature: CurvatureOptions::default(),
+            selection: Selection::default(),
+            color_by: Some(Quantity::Mean),
+            colormap: None,
+            range: Range::Auto,
+            carrier: ColorCarrier::Texture,
+            up: None,
+            unit: None,
+        }
+    }
+}
+
+impl AnnotateOptions {
+    /// Checks all that can be checked before a file is read.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the option and its range.
+    pub fn check(&self) -> Result<(), Error> {
+        self.mesh.check()?;
+        self.curvature.check()?;
+        self.color_by.map_or(Ok(()), |quantity| color::check(quantity, self.range))
+    }
+
+    /// The carrier, where there is something to carry.
+    fn used_carrier(&self) -> Option<ColorCarrier> {
+        self.color_by.map(|_| self.carrier)
+    }
+
+    fn space(&self, input: InputFormat) -> Result<Space, Error> {
+        if input == InputFormat::Gltf {
+            if self.unit.is_some() {
+                return Err(Error::Usage("--unit does not apply to glTF, whose unit is the metre".into()));
+            }
+            if self.up == Some(UpAxis::Z) {
+                return Err(Error::Usage("--up z does not apply to glTF, in which Y is up".into()));
+            }
+        }
+        let z_up = self.up.map_or(input.is_z_up(), |up| up == UpAxis::Z);
+        Ok(Space { z_up, unit: self.unit })
+    }
+
+    /// All that is needed to repeat a run, as it stands in files and statistics.
+    fn provenance(&self, space: Space) -> Value {
+        let curvature = &self.curvature;
+        let (radius, radius_factor) = match curvature.radius {
+            Radius::Length(length) => (Some(length), None),
+            Radius::FaceFactor(factor) => (None, Some(format!("{factor}:face"))),
+            Radius::MeshFactor(factor) => (None, Some(format!("{factor}:mesh"))),
+        };
+        json!({
+            "estimator": curvature.estimator.name(),
+            "radius": radius,
+            "radius_factor": radius_factor,
+            "diameters": curvature.diameters,
+            "class_tolerance": curvature.class_tolerance,
+            "feature_angle": self.mesh.feature_angle,
+            "weld": self.mesh.weld,
+            "up": if space.z_up { "z" } else { "y" },
+            "unit": space.unit.map(Unit::symbol),
+            "color_by": self.color_by.map(Quantity::token),
+        })
+    }
+}
+
+/// Annotates one file.
+///
+/// # Errors
+/// Any [`Error`]; nothing is then written, and what stood at the destination is still there.
+pub fn annotate(
+    input: &Path,
+    destination: &Destination,
+    format: OutputFormat,
+    options: &AnnotateOptions,
+    progress: &dyn Progress,
+) -> Result<Summary, Error> {
+    options.check()?;
+    let start = Instant::now();
+    let (soup, input_format) = io::read(input, progress)?;
+    let space = options.space(input_format)?;
+    io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
+    let mut notes = soup.notes.clone();
+    let read = start.elapsed();
+
+    let mesh = Mesh::from_soup(&soup, &options.mesh).map_err(|e| e.in_file(input))?;
+    drop(soup);
+    let weld = start.elapsed();
+
+    let values = curvature::estimate(&mesh, &options.curvature, progress)?;
+    let estimate = start.elapsed();
+
+    let colors = match options.color_by {
+        Some(quantity) => Some(ColorScale::new(quantity, options.colormap, options.range, &values)?),
+        None => None,
+    };
+    let annotation = Annotation {
+        mesh: &mesh,
+        values: &values,
+        name: input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        selection: options.selection.clone(),
+        colors,
+        carrier: options.carrier,
+        space,
+        provenance: options.provenance(space),
+    };
+    notes.extend(annotation.note_of_missing_face_numbers(format));
+    io::write(&annotation, format, destination, progress)?;
+    let write = start.elapsed();
+
+    Ok(Summary {
+        input: input.display().to_string(),
+        format: input_format,
+        report: mesh.report().clone(),
+        notes,
+        settings: annotation.provenance.clone(),
+        legend: annotation.legend(),
+        curvature: CurvatureSummary::of(&values),
+        seconds: Seconds::from_marks(read, weld, estimate, write),
+    })
+}

@@ -1,0 +1,234 @@
+//! A mesh with its curvature and everything a writer needs to know.
+
+use crate::color::ColorScale;
+use crate::curvature::FaceCurvature;
+use crate::io::OutputFormat;
+use crate::mesh::Mesh;
+use crate::quantity::{Quantity, Selection};
+use crate::soup::Note;
+use glam::{DVec3, Vec3};
+use serde_json::{Value, json};
+
+/// The unit that the input's coordinates are in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub enum Unit {
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Metres.
+    #[serde(rename = "m")]
+    Metre,
+    /// Inches.
+    #[serde(rename = "in")]
+    Inch,
+}
+
+impl Unit {
+    /// Metres in one of this unit.
+    pub fn in_metres(self) -> f64 {
+        match self {
+            Unit::Millimetre => 0.001,
+            Unit::Centimetre => 0.01,
+            Unit::Metre => 1.0,
+            Unit::Inch => 0.0254,
+        }
+    }
+
+    /// Its symbol.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::Millimetre => "mm",
+            Unit::Centimetre => "cm",
+            Unit::Metre => "m",
+            Unit::Inch => "in",
+        }
+    }
+}
+
+/// From the input's axes and units to those of glTF.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Space {
+    /// True when the input's +Z is up and becomes the output's +Y.
+    pub z_up: bool,
+    /// The input's unit; lengths become metres. `None` leaves them as they are.
+    pub unit: Option<Unit>,
+}
+
+impl Space {
+    /// Output length of an input length of one.
+    pub fn scale(self) -> f64 {
+        self.unit.map_or(1.0, Unit::in_metres)
+    }
+
+    /// A point or vector of the input with length.
+    pub fn point(self, p: DVec3) -> DVec3 {
+        self.scale() * if self.z_up { DVec3::new(p.x, p.z, -p.y) } else { p }
+    }
+
+    /// A unit vector of the input.
+    pub fn direction(self, d: Vec3) -> Vec3 {
+        if self.z_up { Vec3::new(d.x, d.z, -d.y) } else { d }
+    }
+
+    /// The factor for a quantity of this dimension (a power of length).
+    pub fn factor(self, dimension: i32) -> f64 {
+        self.scale().powi(dimension)
+    }
+}
+
+/// How a glTF file shows colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorCarrier {
+    /// A palette texture and one texture coordinate per vertex: right in every client.
+    #[default]
+    Texture,
+    /// `COLOR_0` in linear light, as the specification says; MeshLab shows it too dark.
+    Vertex,
+    /// `COLOR_0` with sRGB bytes, for MeshLab; other clients show it too bright.
+    VertexSrgb,
+    /// No colours.
+    None,
+}
+
+/// A mesh with its curvature and everything a writer needs to know.
+#[derive(Clone, Debug)]
+pub struct Annotation<'m> {
+    /// The mesh.
+    pub mesh: &'m Mesh,
+    /// One value per face.
+    pub values: &'m [FaceCurvature],
+    /// The object's name in the output.
+    pub name: String,
+    /// Quantities asked for.
+    pub selection: Selection,
+    /// Colours, if any.
+    pub colors: Option<ColorScale>,
+    /// How a glTF file carries them.
+    pub carrier: ColorCarrier,
+    /// Axes and units of a glTF file.
+    pub space: Space,
+    /// Settings and version: all that is needed to repeat the run.
+    pub provenance: Value,
+}
+
+/// Face numbers up to here are exact in a 32-bit float.
+pub const LARGEST_EXACT_FACE: usize = 1 << 24;
+
+impl Annotation<'_> {
+    /// The quantities of a glTF file; face numbers only where a 32-bit float can hold them all.
+    pub fn gltf_quantities(&self) -> Vec<Quantity> {
+        let mut quantities = self.selection.for_gltf();
+        if self.values.len() > LARGEST_EXACT_FACE {
+            quantities.retain(|&q| q != Quantity::Face);
+        }
+        quantities
+    }
+
+    /// Says so where face numbers are wanted but are too large for a 32-bit float.
+    pub(crate) fn note_of_missing_face_numbers(&self, format: OutputFormat) -> Option<Note> {
+        let wanted = format.is_gltf() && self.selection.for_gltf().contains(&Quantity::Face);
+        (wanted && self.values.len() > LARGEST_EXACT_FACE).then(|| {
+            Note::info(format!(
+                "_FACE_ID is left out: 32-bit floats are exact to {LARGEST_EXACT_FACE} and there are {} faces; their order is that of the input",
+                self.values.len()
+            ))
+        })
+    }
+
+    /// A direction of a face in the output's axes; `None` for other quantities and for a face
+    /// without estimate.
+    pub(crate) fn turned(&self, quantity: Quantity, value: &FaceCurvature) -> Option<Vec3> {
+        let direction = match quantity {
+            Quantity::DirMax => value.dir_max,
+            Quantity::DirMin => value.dir_min,
+            _ => return None,
+        };
+        value.is_estimated().then(|| self.space.direction(direction))
+    }
+
+    /// What a legend needs: quantity, unit, map, range and a few colours with their values, in the
+    /// units of a glTF output. `None` where there are no colours.
+    pub fn legend(&self) -> Option<Value> {
+        let colors = self.colors.as_ref()?;
+        let factor = self.space.factor(colors.quantity.dimension());
+        let palette = colors.map.palette();
+        let hex = |i: usize| format!("#{:02x}{:02x}{:02x}", palette[i][0], palette[i][1], palette[i][2]);
+        if colors.quantity == Quantity::Class {
+            let classes: Vec<Value> = crate::FaceClass::ALL
+                .iter()
+                .map(|class| {
+                    let index = usize::try_from(class.code()).map_or(255, |code| 51 * code + 25);
+                    json!({ "value": class.code(), "name": class.name(), "color": hex(index) })
+                })
+                .collect();
+            return Some(json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes }));
+        }
+        const STOPS: usize = 8;
+        let stops: Vec<Value> = (0..=STOPS)
+            .map(|i| {
+                let share = i as f64 / STOPS as f64;
+                let value = factor * (colors.low + share * (colors.high - colors.low));
+                json!({ "value": value, "color": hex((share * 254.0).round() as usize) })
+            })
+            .collect();
+        Some(json!({
+            "quantity": colors.quantity.token(),
+            "unit": self.unit_of(colors.quantity),
+            "colormap": colors.map.name(),
+            "range": [factor * colors.low, factor * colors.high],
+            "clipped_faces": colors.clipped,
+            "not_estimated": hex(255),
+            "stops": stops,
+        }))
+    }
+
+    /// The unit of a quantity in a glTF output, such as `1/m^2`; `1/unit` where the length unit is
+    /// not known.
+    pub fn unit_of(&self, quantity: Quantity) -> String {
+        let length = if self.space.unit.is_some() { "m" } else { "unit" };
+        match quantity.dimension() {
+            0 => String::new(),
+            1 => length.to_owned(),
+            -1 => format!("1/{length}"),
+            n => format!("1/{length}^{}", -n),
+        }
+    }
+
+    /// Everything needed to read and to repeat the result, for a mesh's `extras`.
+    pub fn extras(&self) -> Value {
+        let report = self.mesh.report();
+        let origin = self.mesh.origin();
+        json!({ "osculate": {
+            "schema": 1,
+            "version": env!("CARGO_PKG_VERSION"),
+            "settings": self.provenance,
+            "units": {
+                "input": self.space.unit.map_or("file unit", Unit::symbol),
+                "output": if self.space.unit.is_some() { "m" } else { "file unit" },
+                "input_up": if self.space.z_up { "z" } else { "y" },
+            },
+            "sign": "k is positive where the surface bends away from its normal",
+            "not_estimated": "0 everywhere, class -1",
+            "classes": crate::FaceClass::ALL.iter().map(|c| (c.code().to_string(), c.name())).collect::<std::collections::BTreeMap<_, _>>(),
+            "faces": report.faces,
+            "origin": origin.to_array(),
+            "legend": self.legend(),
+        } })
+    }
+
+    /// The corners of a face in the input's axes and units, relative to the mesh's origin; finite
+    /// whatever the file holds: a coordinate that is not finite becomes that of a corner that is, or
+    /// zero.
+    pub(crate) fn finite_triangle(&self, face: crate::Face) -> [DVec3; 3] {
+        let corners = self.mesh.triangle(face);
+        if corners.iter().all(|c| c.is_finite()) {
+            return corners;
+        }
+        let stand_in = corners.iter().copied().find(|c| c.is_finite()).unwrap_or(DVec3::ZERO);
+        corners.map(|c| if c.is_finite() { c } else { stand_in })
+    }
+}

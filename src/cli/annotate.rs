@@ -1,0 +1,87 @@
+//! `osculate annotate`.
+
+use super::Outcome;
+use super::args::AnnotateArgs;
+use super::messages::Messages;
+use super::progress::Bars;
+use osculate::{Destination, Error, Output, OutputFormat, Summary};
+use std::io::Write;
+use std::path::Path;
+
+pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, Error> {
+    let options = args.options()?;
+    let to_stdout = args.output == Path::new("-");
+    let format = match args.format {
+        Some(format) => format.into(),
+        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply or csv".into())),
+        None => OutputFormat::of(&args.output)?,
+    };
+    let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
+    refuse_overwriting(args, to_stdout)?;
+    // Opened before any work, so that a wrong folder is known at once.
+    let stats = args.stats.as_deref().map(Output::create).transpose()?;
+
+    let bars = Bars::new(messages.wants_progress());
+    let summary = osculate::annotate(&args.input, &destination, format, &options, &bars)?;
+    if let Some(stats) = stats {
+        write_stats(&summary, stats)?;
+    }
+
+    summary.notes.iter().for_each(|note| messages.note(note));
+    summary.report.defects().iter().for_each(|defect| messages.warning(defect));
+    if messages.verbose {
+        tell(&summary, messages);
+    }
+    let seconds = summary.seconds.total;
+    messages.info(&format!("{}: {} faces in {seconds:.2} s", args.output.display(), summary.report.faces));
+    Ok(Outcome::of(summary.has_defects()))
+}
+
+/// An output must not destroy an input, nor, if so asked, anything else.
+fn refuse_overwriting(args: &AnnotateArgs, to_stdout: bool) -> Result<(), Error> {
+    let outputs = [(!to_stdout).then_some(&args.output), args.stats.as_ref()];
+    let mut seen = Vec::new();
+    for output in outputs.into_iter().flatten() {
+        let Ok(real) = output.canonicalize() else {
+            if seen.contains(output) {
+                return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
+            }
+            seen.push(output.clone());
+            continue;
+        };
+        if args.input.canonicalize().is_ok_and(|input| input == real) {
+            return Err(Error::Usage(format!("{} is the input; choose another output", output.display())));
+        }
+        if args.no_clobber {
+            return Err(Error::Usage(format!("{} exists, and --no-clobber keeps it", output.display())));
+        }
+        if seen.contains(&real) {
+            return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
+        }
+        seen.push(real);
+    }
+    Ok(())
+}
+
+fn write_stats(summary: &Summary, mut out: Output) -> Result<(), Error> {
+    let json = serde_json::to_string_pretty(summary).unwrap_or_default();
+    writeln!(out, "{json}").map_err(|e| out.error(e))?;
+    out.finish()
+}
+
+fn tell(summary: &Summary, messages: &Messages) {
+    let s = summary.seconds;
+    messages.info(&format!("settings: {}", summary.settings));
+    messages.info(&format!(
+        "seconds: read {:.3}, weld {:.3}, estimate {:.3}, write {:.3}",
+        s.read, s.weld, s.estimate, s.write
+    ));
+    let classes: Vec<String> = summary
+        .curvature
+        .classes
+        .iter()
+        .filter(|(_, n)| **n > 0)
+        .map(|(class, n)| format!("{n} {}", class.name()))
+        .collect();
+    messages.info(&format!("classes: {}", classes.join(", ")));
+}

@@ -1,0 +1,375 @@
+//! Commands and options. Defaults come from the library; ranges and units stand on each line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use osculate::{
+    AnnotateOptions, ColorCarrier, Colormap, CurvatureOptions, Estimator, MeshOptions, OutputFormat, Quantity, Radius,
+    Range, Selection, Unit, UpAxis,
+};
+use std::path::PathBuf;
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 done; 1 failed, nothing written; 2 bad usage; 3 done, but the input
+was repaired or has defects (they are listed on standard error).
+
+Examples:
+  osculate annotate scan.ply -o scan.glb
+  osculate annotate part.stl -o part.glb --unit mm --color-by k_max
+  osculate annotate part.stl -o part.csv
+  osculate inspect part.stl";
+
+/// Curvature of every face of a triangle mesh, written as glTF attributes and colour maps.
+#[derive(Debug, Parser)]
+#[command(name = "osculate", version, about, after_help = AFTER_HELP, max_term_width = 100)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply or .csv
+    Annotate(Box<AnnotateArgs>),
+    /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
+    Inspect(InspectArgs),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page (roff); view with: osculate man | man -l -
+    Man,
+}
+
+impl Command {
+    pub(super) fn common(&self) -> Option<&CommonArgs> {
+        match self {
+            Command::Annotate(args) => Some(&args.common),
+            Command::Inspect(args) => Some(&args.common),
+            Command::Completions { .. } | Command::Man => None,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct AnnotateArgs {
+    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    pub(super) input: PathBuf,
+
+    /// File to write; its extension chooses the format: .glb, .gltf, .ply or .csv. - for standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Output format, where the extension does not tell
+    #[arg(long, value_enum)]
+    pub(super) format: Option<FormatArg>,
+
+    #[command(flatten)]
+    pub(super) estimation: EstimationArgs,
+
+    #[command(flatten)]
+    pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) look: LookArgs,
+
+    /// Also write counts, seconds per stage and percentiles of the values as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) stats: Option<PathBuf>,
+
+    /// Fail if the output exists instead of replacing it
+    #[arg(long, help_heading = "Output")]
+    pub(super) no_clobber: bool,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Estimation")]
+pub(super) struct EstimationArgs {
+    /// How curvature is read off a section
+    #[arg(long, value_enum, default_value_t = EstimatorArg::from(CurvatureOptions::default().estimator))]
+    estimator: EstimatorArg,
+
+    /// Length of a disk's legs in file units, above 0; overrides --radius-factor
+    #[arg(long, value_name = "LENGTH", conflicts_with = "radius_factor", allow_hyphen_values = true)]
+    radius: Option<f64>,
+
+    /// Length of a disk's legs in mean edges of the face (F or F:face) or of the whole mesh (F:mesh);
+    /// above 0, at most 1000
+    #[arg(long, value_name = "F[:face|mesh]", value_parser = radius_factor, allow_hyphen_values = true,
+          default_value = default_radius_factor())]
+    radius_factor: Radius,
+
+    /// Diameters of a disk, 3 to 360
+    #[arg(long, value_name = "N", default_value_t = CurvatureOptions::default().diameters)]
+    diameters: usize,
+
+    /// Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1
+    #[arg(long, value_name = "T", default_value_t = CurvatureOptions::default().class_tolerance,
+          allow_hyphen_values = true)]
+    class_tolerance: f64,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Mesh")]
+pub(super) struct MeshArgs {
+    /// Angle between face normals above which an edge is a feature, where disks end; degrees, 0 to
+    /// 180 (180: no features)
+    #[arg(long, value_name = "DEGREES", default_value_t = MeshOptions::default().feature_angle,
+          allow_hyphen_values = true)]
+    feature_angle: f64,
+
+    /// Weld vertices up to this far apart, in file units; 0 welds equal positions only
+    #[arg(long, value_name = "DISTANCE", default_value_t = MeshOptions::default().weld, allow_hyphen_values = true)]
+    weld: f64,
+}
+
+impl MeshArgs {
+    pub(super) fn options(&self) -> MeshOptions {
+        MeshOptions { weld: self.weld, feature_angle: self.feature_angle }
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct LookArgs {
+    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise
+    #[arg(long, value_enum)]
+    up: Option<UpArg>,
+
+    /// The input's unit; glTF output is scaled to metres. Default: lengths stay as they are
+    #[arg(long, value_enum)]
+    unit: Option<UnitArg>,
+
+    /// Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss,
+    /// gauss_perimeter, shape_index, curvedness, dir_max, dir_min, radius, coverage; or default, all,
+    /// none
+    #[arg(long, value_name = "LIST", value_parser = Selection::parse, default_value = "default")]
+    attributes: Selection,
+
+    /// Quantity that the colours show
+    #[arg(long, value_enum, value_name = "QUANTITY", default_value_t = ColorByArg::Mean)]
+    color_by: ColorByArg,
+
+    /// Colours; default: blue-red for signed quantities, viridis for others, one colour per class
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Colormap::names()))]
+    colormap: Option<String>,
+
+    /// Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th
+    /// percentile of the magnitudes
+    #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true)]
+    range: Range,
+
+    /// How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear
+    /// light (by the specification), vertex colours in sRGB (for MeshLab), or not at all
+    #[arg(long, value_enum, value_name = "CARRIER", default_value_t = CarrierArg::Texture)]
+    color: CarrierArg,
+}
+
+impl AnnotateArgs {
+    pub(super) fn options(&self) -> Result<AnnotateOptions, osculate::Error> {
+        let radius = self.estimation.radius.map_or(self.estimation.radius_factor, Radius::Length);
+        Ok(AnnotateOptions {
+            mesh: self.mesh.options(),
+            curvature: CurvatureOptions {
+                estimator: self.estimation.estimator.into(),
+                radius,
+                diameters: self.estimation.diameters,
+                class_tolerance: self.estimation.class_tolerance,
+            },
+            selection: self.look.attributes.clone(),
+            color_by: self.look.color_by.into(),
+            colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
+            range: self.look.range,
+            carrier: self.look.color.into(),
+            up: self.look.up.map(Into::into),
+            unit: self.look.unit.map(Into::into),
+        })
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct InspectArgs {
+    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    pub(super) input: PathBuf,
+
+    /// For people or for machines
+    #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
+    pub(super) format: ReportFormat,
+
+    #[command(flatten)]
+    pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
+pub(super) struct CommonArgs {
+    /// Threads to use, 1 or more; default: one per core. The output does not depend on it
+    #[arg(short = 'j', long, value_name = "N", value_parser = threads)]
+    pub(super) threads: Option<usize>,
+
+    /// Say more
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub(super) verbose: bool,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+
+    /// Messages for people, or one JSON object per line
+    #[arg(long, value_enum, default_value_t = LogFormat::Text)]
+    pub(super) log: LogFormat,
+}
+
+/// Declares a value of an option and what it stands for in the library.
+macro_rules! choices {
+    ($name:ident => $target:ty { $($(#[$meta:meta])* $variant:ident => $value:expr,)+ }) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub(super) enum $name { $($(#[$meta])* $variant,)+ }
+
+        impl From<$name> for $target {
+            fn from(choice: $name) -> $target {
+                match choice { $($name::$variant => $value,)+ }
+            }
+        }
+    };
+}
+
+choices!(EstimatorArg => Estimator {
+    /// The circle with the section's chord and arc
+    Osculating => Estimator::Osculating,
+    /// The same to third order, as in the paper
+    Osculating3 => Estimator::Osculating3,
+    /// Turning of the section's tangent over its length
+    Tangent => Estimator::Tangent,
+});
+
+impl From<Estimator> for EstimatorArg {
+    fn from(estimator: Estimator) -> Self {
+        EstimatorArg::value_variants()
+            .iter()
+            .copied()
+            .find(|&arg| Estimator::from(arg) == estimator)
+            .unwrap_or(EstimatorArg::Osculating)
+    }
+}
+
+choices!(FormatArg => OutputFormat {
+    Glb => OutputFormat::Glb,
+    Gltf => OutputFormat::Gltf,
+    Ply => OutputFormat::Ply,
+    Csv => OutputFormat::Csv,
+});
+
+choices!(UpArg => UpAxis {
+    Y => UpAxis::Y,
+    Z => UpAxis::Z,
+});
+
+choices!(UnitArg => Unit {
+    Mm => Unit::Millimetre,
+    Cm => Unit::Centimetre,
+    M => Unit::Metre,
+    In => Unit::Inch,
+});
+
+choices!(CarrierArg => ColorCarrier {
+    Texture => ColorCarrier::Texture,
+    Vertex => ColorCarrier::Vertex,
+    VertexSrgb => ColorCarrier::VertexSrgb,
+    None => ColorCarrier::None,
+});
+
+choices!(ColorByArg => Option<Quantity> {
+    Mean => Some(Quantity::Mean),
+    Gauss => Some(Quantity::Gauss),
+    #[value(name = "k_max")]
+    KMax => Some(Quantity::KMax),
+    #[value(name = "k_min")]
+    KMin => Some(Quantity::KMin),
+    #[value(name = "gauss_perimeter")]
+    GaussPerimeter => Some(Quantity::GaussPerimeter),
+    #[value(name = "shape_index")]
+    ShapeIndex => Some(Quantity::ShapeIndex),
+    Curvedness => Some(Quantity::Curvedness),
+    Class => Some(Quantity::Class),
+    None => None,
+});
+
+/// How messages are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LogFormat {
+    Text,
+    Json,
+}
+
+/// How a report is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ReportFormat {
+    Text,
+    Json,
+}
+
+fn default_radius_factor() -> String {
+    match CurvatureOptions::default().radius {
+        Radius::FaceFactor(factor) => factor.to_string(),
+        Radius::MeshFactor(factor) => format!("{factor}:mesh"),
+        Radius::Length(_) => unreachable!("the default radius is a factor"),
+    }
+}
+
+fn radius_factor(text: &str) -> Result<Radius, String> {
+    let (number, of) = text.split_once(':').unwrap_or((text, "face"));
+    let factor = number.parse().map_err(|_| format!("\"{number}\" is no number"))?;
+    match of {
+        "face" => Ok(Radius::FaceFactor(factor)),
+        "mesh" => Ok(Radius::MeshFactor(factor)),
+        _ => Err(format!("\"{of}\" is neither face nor mesh")),
+    }
+}
+
+fn range(text: &str) -> Result<Range, String> {
+    if text == "auto" {
+        return Ok(Range::Auto);
+    }
+    let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
+    let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
+    Ok(Range::Fixed(number(low)?, number(high)?))
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1024) => Ok(n),
+        _ => Err("give a number from 1 to 1024".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definitions_are_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn defaults_are_the_librarys() {
+        let cli = Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "a.glb"]).expect("valid");
+        let Command::Annotate(args) = cli.command else { panic!("another command") };
+        assert_eq!(args.options().expect("valid"), AnnotateOptions::default());
+    }
+
+    #[test]
+    fn values_may_begin_with_a_hyphen() {
+        let cli =
+            Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "-", "--format", "csv", "--range", "-5:5"]);
+        let Ok(Cli { command: Command::Annotate(args) }) = cli else { panic!("{cli:?}") };
+        assert_eq!(args.look.range, Range::Fixed(-5.0, 5.0));
+    }
+}

@@ -1,0 +1,90 @@
+//! `osculate inspect`.
+
+use super::args::{InspectArgs, ReportFormat};
+use super::messages::Messages;
+use super::progress::Bars;
+use super::{Outcome, print};
+use osculate::{Bounds, Error, Inspection};
+use std::fmt::Write;
+
+pub(super) fn run(args: &InspectArgs, messages: &Messages) -> Result<Outcome, Error> {
+    let bars = Bars::new(messages.wants_progress());
+    let inspection = osculate::inspect(&args.input, &args.mesh.options(), &bars)?;
+    let text = match args.format {
+        ReportFormat::Json => serde_json::to_string_pretty(&inspection).unwrap_or_default() + "\n",
+        ReportFormat::Text => describe(&inspection),
+    };
+    print(text.as_bytes())?;
+    Ok(Outcome::of(inspection.has_defects()))
+}
+
+/// A page for people. Writing to a string cannot fail, so results of `writeln!` are dropped.
+fn describe(found: &Inspection) -> String {
+    let mut page = String::new();
+    let report = &found.report;
+    let mut line = |label: &str, value: &str| {
+        let _ = writeln!(page, "{label:16}{value}");
+    };
+    line("file", &format!("{} ({})", found.input, found.format.name()));
+    line("faces", &report.faces.to_string());
+    line("vertices", &report.vertices.to_string());
+    let edges = &report.edges;
+    line(
+        "edges",
+        &format!(
+            "{} inner, {} boundary, {} feature (above {} degrees), {} non-manifold",
+            edges.inner, edges.boundary, edges.feature, found.feature_angle, edges.non_manifold
+        ),
+    );
+    if let Some(lengths) = found.edge_lengths {
+        line(
+            "edge lengths",
+            &format!(
+                "{:.4} mean, {:.4} median, {:.4} to {:.4} without the outer tenth, {:.4} to {:.4} in all",
+                lengths.mean, lengths.p50, lengths.p5, lengths.p95, lengths.min, lengths.max
+            ),
+        );
+    }
+    line("area", &format!("{:.6}", found.area));
+    if let Some(bounds) = report.bounds {
+        line("bounds", &describe_bounds(bounds));
+    }
+    line("components", &report.components.to_string());
+    line("boundary loops", &report.boundary_loops.to_string());
+    let orientable = if report.non_orientable_components > 0 {
+        "not orientable"
+    } else if report.flipped_faces > 0 {
+        "not oriented"
+    } else {
+        "oriented"
+    };
+    let manifold = if edges.non_manifold > 0 { "not manifold" } else { "manifold" };
+    line("surface", &format!("{}, {orientable}, {manifold}", if report.closed { "closed" } else { "open" }));
+    if found.groups > 0 {
+        line("groups", &found.groups.to_string());
+    }
+    if let Some(scene) = found.scene {
+        line("scene", &format!("{} meshes placed, {} faces", scene.instances, scene.faces));
+        if let Some(bounds) = scene.bounds {
+            line("scene bounds", &describe_bounds(bounds));
+        }
+    }
+    for defect in report.defects() {
+        line("defect", &defect);
+    }
+    for note in &found.notes {
+        line(if note.repaired { "repaired" } else { "note" }, &note.message);
+    }
+    for suggestion in &found.suggestions {
+        line("suggestion", suggestion);
+    }
+    page
+}
+
+fn describe_bounds(Bounds { min, max }: Bounds) -> String {
+    let size = max - min;
+    format!(
+        "({} {} {}) to ({} {} {}), size {:.6} x {:.6} x {:.6}",
+        min.x, min.y, min.z, max.x, max.y, max.z, size.x, size.y, size.z
+    )
+}

@@ -1,0 +1,96 @@
+//! The command line: parse, run, report, exit code.
+
+mod annotate;
+mod args;
+mod inspect;
+mod messages;
+mod progress;
+
+use args::{Cli, Command};
+use clap::{CommandFactory, Parser};
+use messages::Messages;
+use osculate::Error;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// How a run ended; the numbers are part of the command line's contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// Done.
+    Done = 0,
+    /// Failed; nothing was written.
+    Failed = 1,
+    /// The command line makes no sense.
+    Usage = 2,
+    /// Done, but the input was repaired or has defects.
+    Defects = 3,
+}
+
+impl Outcome {
+    fn of(has_defects: bool) -> Self {
+        if has_defects { Outcome::Defects } else { Outcome::Done }
+    }
+}
+
+/// Runs the program.
+pub(crate) fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let common = cli.command.common();
+    let messages = Messages::new(common);
+    let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
+        Command::Annotate(args) => annotate::run(args, &messages),
+        Command::Inspect(args) => inspect::run(args, &messages),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "osculate", &mut script);
+            print(&script)
+        }
+        Command::Man => {
+            let mut page = Vec::new();
+            render_man(&mut page).map_err(|e| Error::io(Path::new("standard output"), "write", e))?;
+            print(&page)
+        }
+    });
+    let outcome = match result {
+        Ok(outcome) => outcome,
+        // Whoever read the output has had enough: no failure.
+        Err(error) if error.is_broken_pipe() => Outcome::Done,
+        Err(error) => {
+            messages.error(&error);
+            if error.is_usage() { Outcome::Usage } else { Outcome::Failed }
+        }
+    };
+    ExitCode::from(outcome as u8)
+}
+
+/// Runs the work on so many threads, or on one per core.
+fn on_threads(threads: Option<usize>, work: impl FnOnce() -> Result<Outcome, Error> + Send) -> Result<Outcome, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    match pool {
+        Ok(pool) => pool.install(work),
+        Err(e) => Err(Error::Usage(format!("cannot start the threads: {e}; try a smaller -j"))),
+    }
+}
+
+/// Writes results to standard output.
+fn print(bytes: &[u8]) -> Result<Outcome, Error> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes).and_then(|()| out.flush()).map_err(|e| Error::io(Path::new("standard output"), "write", e))?;
+    Ok(Outcome::Done)
+}
+
+/// One page: the program, then each command with its options.
+fn render_man(page: &mut Vec<u8>) -> io::Result<()> {
+    let mut command = Cli::command();
+    command.build();
+    clap_mangen::Man::new(command.clone()).render(page)?;
+    for sub in command.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help") {
+        writeln!(page, ".SH \"OSCULATE {}\"", sub.get_name().to_uppercase())?;
+        let man = clap_mangen::Man::new(sub.clone());
+        man.render_synopsis_section(page)?;
+        man.render_description_section(page)?;
+        man.render_options_section(page)?;
+    }
+    Ok(())
+}

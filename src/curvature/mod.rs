@@ -1,0 +1,112 @@
+//! Curvature of every face: settings, values, and the loop over faces.
+
+mod classify;
+mod euler;
+mod options;
+mod osculating;
+mod perimeter;
+mod tangent;
+mod values;
+
+pub use classify::FaceClass;
+pub use options::{CurvatureOptions, Estimator, Radius};
+pub use values::FaceCurvature;
+
+use crate::disk::{Diameter, Disk, Frame};
+use crate::error::Error;
+use crate::mesh::{Face, FaceState, Mesh};
+use crate::progress::{Progress, Stage};
+use euler::EulerFit;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A normal curvature as one diameter shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sample {
+    /// Signed normal curvature.
+    curvature: f64,
+    /// How much the diameter can say, relative to the face's other diameters; 0 for nothing.
+    weight: f64,
+}
+
+/// Faces estimated between two reports of progress; also the unit of work of a thread.
+const CHUNK: usize = 4096;
+
+/// Estimates the curvature of every face of a mesh: one value per face, in face order.
+///
+/// Work is shared among the threads of the current rayon pool; the result does not depend on their
+/// number. Faces without an area or with coordinates that are not finite come out as
+/// [`FaceCurvature::NOT_ESTIMATED`]; a duplicate face gets the values of the first face over its
+/// vertices.
+///
+/// # Errors
+/// [`Error::Usage`] for options out of range.
+pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
+    options.check()?;
+    let count = mesh.face_count();
+    let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
+    let fixed = options.fixed_radius(mesh);
+    progress.begin(Stage::Estimate, count as u64);
+    values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
+        let first = (chunk * CHUNK) as u32;
+        estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
+        progress.advance(out.len() as u64);
+    });
+    for f in (0..count as u32).map(Face) {
+        if let Some(original) = mesh.duplicate_of(f) {
+            values[f.index()] = values[original.index()];
+        }
+    }
+    progress.end();
+    Ok(values)
+}
+
+/// Estimates a range of faces; they may walk over any face of the mesh.
+fn estimate_range(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    fixed_radius: Option<f64>,
+    faces: Range<u32>,
+    disk: &mut Disk,
+    out: &mut [FaceCurvature],
+) {
+    for (face, value) in faces.map(Face).zip(out) {
+        if mesh.face_state(face) != FaceState::Sound {
+            continue;
+        }
+        let Some(frame) = Frame::at_barycentre(mesh, face) else { continue };
+        let radius = fixed_radius.unwrap_or_else(|| options.own_radius(mesh, face));
+        disk.walk(mesh, face, &frame, radius, options.diameters);
+        *value = from_disk(disk, &frame, options);
+    }
+}
+
+/// Reads the curvature of a face off its disk.
+///
+/// A disk none of whose legs leaves the plane of its face is flat: so is a lone triangle, all of
+/// whose legs end at its own edges.
+pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> FaceCurvature {
+    let formula: fn(&Diameter<'_>) -> Option<Sample> = match options.estimator {
+        Estimator::Osculating => osculating::exact_arc,
+        Estimator::Osculating3 => osculating::third_order,
+        Estimator::Tangent => tangent::turning,
+    };
+    let mut fit = EulerFit::new();
+    for diameter in disk.diameters() {
+        if let Some(sample) = formula(&diameter) {
+            fit.add(diameter.angle, sample);
+        }
+    }
+    let euler = fit.solve();
+    let direction = frame.direction(euler.angle);
+    FaceCurvature {
+        k_max: euler.k_max as f32,
+        k_min: euler.k_min as f32,
+        dir_max: direction.as_vec3(),
+        dir_min: frame.normal.cross(direction).as_vec3(),
+        gauss_perimeter: perimeter::gauss(disk).unwrap_or(f64::NAN) as f32,
+        radius: disk.radius() as f32,
+        coverage: disk.coverage() as f32,
+        class: FaceClass::of(euler.k_max, euler.k_min, disk.radius(), options.class_tolerance),
+    }
+}

@@ -1,0 +1,105 @@
+//! Settings of the estimation.
+
+use crate::error::Error;
+use crate::mesh::{Face, Mesh};
+
+/// How normal curvature is read off a diameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Estimator {
+    /// Formula (1) of the paper, solved exactly: the circle with the diameter's chord and arc.
+    #[default]
+    Osculating,
+    /// Formula (1) as printed: the third-order expansion.
+    Osculating3,
+    /// Formula (2): turning of the tangent over arc length.
+    Tangent,
+}
+
+impl Estimator {
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Estimator::Osculating => "osculating",
+            Estimator::Osculating3 => "osculating3",
+            Estimator::Tangent => "tangent",
+        }
+    }
+}
+
+/// How the length of a disk's legs is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Radius {
+    /// This many times the mean edge length of the face itself (the paper's choice).
+    FaceFactor(f64),
+    /// This many times the mean edge length of the whole mesh.
+    MeshFactor(f64),
+    /// A length in file units.
+    Length(f64),
+}
+
+/// Settings for [`estimate`](super::estimate).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvatureOptions {
+    /// How normal curvature is read off a diameter. Default: osculating.
+    pub estimator: Estimator,
+    /// Length of the legs. Default: three times the face's own mean edge. Sections are polygons, so
+    /// the error of formula (1) falls with the square of edge over radius, and grows with the
+    /// square of radius over the distance in which the curvature changes.
+    pub radius: Radius,
+    /// Number of diameters per disk, 3 to 360. Default 12.
+    pub diameters: usize,
+    /// A turn (curvature times radius, in radians) up to this counts as none in the class of a
+    /// face, 0 to 1. Default 0.05.
+    pub class_tolerance: f64,
+}
+
+impl Default for CurvatureOptions {
+    fn default() -> Self {
+        CurvatureOptions {
+            estimator: Estimator::default(),
+            radius: Radius::FaceFactor(3.0),
+            diameters: 12,
+            class_tolerance: 0.05,
+        }
+    }
+}
+
+impl CurvatureOptions {
+    /// Checks every range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let usage = |message: String| Err(Error::Usage(message));
+        match self.radius {
+            Radius::FaceFactor(f) | Radius::MeshFactor(f) if !(f > 0.0 && f <= 1000.0) => {
+                usage(format!("the radius factor must be above 0 and at most 1000, not {f}"))
+            }
+            Radius::Length(l) if !(l > 0.0 && l.is_finite()) => usage(format!("the radius must be above 0, not {l}")),
+            _ if !(3..=360).contains(&self.diameters) => {
+                usage(format!("the number of diameters must be 3 to 360, not {}", self.diameters))
+            }
+            _ if !(0.0..=1.0).contains(&self.class_tolerance) => {
+                usage(format!("the class tolerance must be 0 to 1, not {}", self.class_tolerance))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The radius where it is the same for all faces.
+    pub(super) fn fixed_radius(&self, mesh: &Mesh) -> Option<f64> {
+        match self.radius {
+            Radius::FaceFactor(_) => None,
+            Radius::MeshFactor(factor) => Some(factor * mesh.mean_edge_of_mesh()),
+            Radius::Length(length) => Some(length),
+        }
+    }
+
+    /// The radius of one face where it depends on the face.
+    pub(super) fn own_radius(&self, mesh: &Mesh, face: Face) -> f64 {
+        match self.radius {
+            Radius::FaceFactor(factor) => factor * mesh.mean_edge(face),
+            Radius::MeshFactor(_) | Radius::Length(_) => unreachable!("the same for all faces"),
+        }
+    }
+}

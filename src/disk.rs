@@ -1,0 +1,194 @@
+//! The paper's geodesic disk: legs walked from a face's centre in evenly spaced normal planes.
+
+use crate::mesh::{Face, Mesh};
+use crate::section::{Crossing, Plane, Stop};
+use glam::{DVec2, DVec3};
+
+/// A face's own frame: its centre, its oriented unit normal and two tangent axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The point that legs start from, relative to the mesh's origin.
+    pub centre: DVec3,
+    /// Unit normal, by the winding of the component's majority.
+    pub normal: DVec3,
+    /// Unit tangent, the direction of angle zero: along the face's longest edge.
+    pub x: DVec3,
+    /// normal x x, the direction of angle pi / 2.
+    pub y: DVec3,
+}
+
+impl Frame {
+    /// The frame at a face's barycentre; `None` for a face without area.
+    pub fn at_barycentre(mesh: &Mesh, face: Face) -> Option<Self> {
+        let normal = mesh.normal(face);
+        let [a, b, c] = mesh.triangle(face);
+        let longest = [b - a, c - b, a - c]
+            .into_iter()
+            .reduce(|l, e| if e.length_squared() > l.length_squared() { e } else { l })?;
+        let x = (longest - longest.dot(normal) * normal).try_normalize()?;
+        (normal != DVec3::ZERO).then(|| Frame { centre: mesh.barycentre(face), normal, x, y: normal.cross(x) })
+    }
+
+    /// The unit tangent at an angle (radians) from `x` towards `y`.
+    #[inline]
+    pub fn direction(&self, angle: f64) -> DVec3 {
+        let (sin, cos) = angle.sin_cos();
+        cos * self.x + sin * self.y
+    }
+}
+
+/// One leg: the section of the mesh from the centre one way.
+///
+/// Plane coordinates are (u, z): u along the leg's direction, z along the face's normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// The leg's end, in plane coordinates.
+    pub end: DVec2,
+    /// Unit tangent of the last segment, in plane coordinates.
+    pub tangent: DVec2,
+    /// Length along the mesh; the disk's radius where nothing stopped the leg.
+    pub length: f64,
+    /// `length - end.x`, summed without cancellation.
+    pub excess: f64,
+    /// Length of the first segment up to the first edge, also where the leg ends before it.
+    pub first: f64,
+    /// Sums of p m and p m^2 over the segments after the first, where p is the part of a segment
+    /// that belongs to the leg and m the distance of the whole segment's middle from the centre.
+    pub moments: [f64; 2],
+    /// Why it ended.
+    pub stop: Stop,
+}
+
+/// Two opposite legs: a section through the centre.
+#[derive(Clone, Copy, Debug)]
+pub struct Diameter<'d> {
+    /// Angle of the forward leg from the frame's `x`, in [0, pi).
+    pub angle: f64,
+    /// The leg at `angle`.
+    pub forward: &'d Leg,
+    /// The leg at `angle + pi`; its u points the other way.
+    pub backward: &'d Leg,
+}
+
+/// The legs of a face. Reusable: walking another face into it allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Disk {
+    radius: f64,
+    /// Forward legs of all diameters, then the backward legs in the same order: by angle, full turn.
+    legs: Vec<Leg>,
+}
+
+impl Disk {
+    /// An empty disk, to be filled by [`Disk::walk`].
+    pub fn new() -> Self {
+        Disk { radius: 0.0, legs: Vec::new() }
+    }
+
+    /// Walks `2 * diameters` legs of at most `radius` from the frame's centre, which must lie in
+    /// `face`.
+    pub fn walk(&mut self, mesh: &Mesh, face: Face, frame: &Frame, radius: f64, diameters: usize) {
+        self.radius = radius;
+        self.legs.clear();
+        let step = std::f64::consts::PI / diameters as f64;
+        for turn in [1.0, -1.0] {
+            self.legs.extend(
+                (0..diameters).map(|i| leg(mesh, face, frame, turn * frame.direction(i as f64 * step), radius)),
+            );
+        }
+    }
+
+    /// The length a leg has where nothing stops it.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// All legs, by angle over the full turn.
+    pub fn legs(&self) -> &[Leg] {
+        &self.legs
+    }
+
+    /// All diameters, by angle over half a turn.
+    pub fn diameters(&self) -> impl ExactSizeIterator<Item = Diameter<'_>> {
+        let (forward, backward) = self.legs.split_at(self.legs.len() / 2);
+        let step = std::f64::consts::PI / forward.len() as f64;
+        forward.iter().zip(backward).enumerate().map(move |(i, (forward, backward))| Diameter {
+            angle: i as f64 * step,
+            forward,
+            backward,
+        })
+    }
+
+    /// Share of the legs that reached the radius, 0 to 1.
+    pub fn coverage(&self) -> f64 {
+        let full = self.legs.iter().filter(|leg| leg.stop == Stop::Length).count();
+        full as f64 / self.legs.len() as f64
+    }
+}
+
+impl Default for Disk {
+    fn default() -> Self {
+        Disk::new()
+    }
+}
+
+fn leg(mesh: &Mesh, face: Face, frame: &Frame, direction: DVec3, radius: f64) -> Leg {
+    let plane = Plane { point: frame.centre, normal: frame.normal.cross(direction) };
+    let in_plane = |p: DVec3| {
+        let d = p - frame.centre;
+        DVec2::new(d.dot(direction), d.dot(frame.normal))
+    };
+    let mut leg = Leg {
+        end: DVec2::ZERO,
+        tangent: DVec2::X,
+        length: 0.0,
+        excess: 0.0,
+        first: 0.0,
+        moments: [0.0; 2],
+        stop: Stop::Missed,
+    };
+    let Some(mut crossing) = Crossing::leaving(mesh, &plane, face) else { return leg };
+    let mut is_first = true;
+    loop {
+        let point = in_plane(crossing.point);
+        let step = point - leg.end;
+        let whole = step.length();
+        let room = radius - leg.length;
+        let used = if whole < room { whole } else { room };
+        if is_first {
+            leg.first = whole;
+            is_first = false;
+        } else {
+            let middle = leg.length + 0.5 * whole;
+            leg.moments[0] += used * middle;
+            leg.moments[1] += used * middle * middle;
+        }
+        if whole > 0.0 {
+            leg.tangent = step / whole;
+        }
+        leg.excess += used * versine(leg.tangent);
+        if whole >= room {
+            leg.end += room * leg.tangent;
+            leg.length = radius;
+            leg.stop = Stop::Length;
+            return leg;
+        }
+        leg.end = point;
+        leg.length += whole;
+        match crossing.advance(mesh, &plane) {
+            Ok(next) if next.half_edge.face() == face => {
+                leg.stop = Stop::Closed;
+                return leg;
+            }
+            Ok(next) => crossing = next,
+            Err(stop) => {
+                leg.stop = stop;
+                return leg;
+            }
+        }
+    }
+}
+
+/// 1 - cos of the angle between a unit vector and the u axis, without cancellation near zero.
+fn versine(tangent: DVec2) -> f64 {
+    if tangent.x > 0.0 { tangent.y * tangent.y / (1.0 + tangent.x) } else { 1.0 - tangent.x }
+}

@@ -1,0 +1,171 @@
+//! What a user needs to know about a file before choosing settings.
+
+use crate::error::Error;
+use crate::io::{self, InputFormat};
+use crate::mesh::{Bounds, Face, HalfEdge, Mesh, MeshOptions, MeshReport};
+use crate::progress::Progress;
+use crate::soup::{Note, Scene, Transform};
+use glam::{DMat4, DQuat, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::Path;
+
+/// Lengths of all edges, in file units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EdgeLengths {
+    /// Shortest.
+    pub min: f64,
+    /// 5th percentile.
+    pub p5: f64,
+    /// Median.
+    pub p50: f64,
+    /// Mean.
+    pub mean: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// Longest.
+    pub max: f64,
+}
+
+/// The scene of a glTF file, instances counted each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SceneSummary {
+    /// Nodes that show a mesh.
+    pub instances: usize,
+    /// Faces of all instances together.
+    pub faces: usize,
+    /// Extent of all instances.
+    pub bounds: Option<Bounds>,
+}
+
+/// What [`inspect`] finds. Serialises to the object that `inspect --format json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    /// The file.
+    pub input: String,
+    /// Its format.
+    pub format: InputFormat,
+    /// The mesh and its defects.
+    #[serde(flatten)]
+    pub report: MeshReport,
+    /// Lengths of all edges.
+    pub edge_lengths: Option<EdgeLengths>,
+    /// Sum of the areas of all faces, in file units squared.
+    pub area: f64,
+    /// Named groups of faces in the file.
+    pub groups: usize,
+    /// The placed meshes, for glTF.
+    pub scene: Option<SceneSummary>,
+    /// Degrees above which an edge counted as a feature.
+    pub feature_angle: f64,
+    /// What the reader repaired, skipped or wants to mention.
+    pub notes: Vec<Note>,
+    /// Settings that this file seems to need, each a sentence.
+    pub suggestions: Vec<String>,
+}
+
+/// Reads a file and says what is in it.
+///
+/// # Errors
+/// Any [`Error`] of reading or of building the mesh.
+pub fn inspect(input: &Path, options: &MeshOptions, progress: &dyn Progress) -> Result<Inspection, Error> {
+    options.check()?;
+    let (soup, format) = io::read(input, progress)?;
+    let mesh = Mesh::from_soup(&soup, options).map_err(|e| e.in_file(input))?;
+    let edge_lengths = edge_lengths(&mesh);
+    let report = mesh.report().clone();
+    Ok(Inspection {
+        input: input.display().to_string(),
+        format,
+        suggestions: suggestions(&report, edge_lengths, options),
+        edge_lengths,
+        area: (0..mesh.face_count() as u32).map(|f| mesh.area(Face(f))).filter(|a| a.is_finite()).sum(),
+        groups: soup.groups.len(),
+        scene: mesh.scene().map(|scene| summarise(scene, &mesh)),
+        feature_angle: options.feature_angle,
+        notes: soup.notes,
+        report,
+    })
+}
+
+impl Inspection {
+    /// True when something was repaired or skipped, or the mesh has defects (exit code 3).
+    pub fn has_defects(&self) -> bool {
+        self.report.has_defects() || self.notes.iter().any(|note| note.repaired)
+    }
+}
+
+fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
+    let topology = mesh.topology();
+    let mut lengths: Vec<f64> = (0..3 * mesh.face_count() as u32)
+        .into_par_iter()
+        .map(HalfEdge)
+        // An edge with two faces is measured from one of them.
+        .filter(|&h| topology.twin(h).is_none_or(|twin| h < twin))
+        .map(|h| mesh.position(topology.origin(h)).distance(mesh.position(topology.target(h))))
+        .filter(|length| length.is_finite())
+        .collect();
+    lengths.par_sort_unstable_by(f64::total_cmp);
+    let last = lengths.len().checked_sub(1)?;
+    let at = |share: f64| lengths[(last as f64 * share).round() as usize];
+    let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+    Some(EdgeLengths { min: at(0.0), p5: at(0.05), p50: at(0.5), mean, p95: at(0.95), max: at(1.0) })
+}
+
+fn suggestions(report: &MeshReport, lengths: Option<EdgeLengths>, options: &MeshOptions) -> Vec<String> {
+    let mut all = Vec::new();
+    let (Some(lengths), Some(bounds)) = (lengths, report.bounds) else { return all };
+    // A mesh most of whose edges are open is a soup whose corners differ in their last digits.
+    let edges = &report.edges;
+    let total = edges.inner + edges.feature + edges.boundary + edges.non_manifold;
+    if options.weld == 0.0 && report.faces > 10 && 2 * edges.boundary > total {
+        let distance = (0.1 * lengths.p5).min(1e-5 * bounds.size().length());
+        all.push(format!(
+            "most edges have one face only: the corners may differ in their last digits; try --weld {distance:.1e}"
+        ));
+    }
+    if report.inside_out_components > 0 {
+        all.push(format!(
+            "{} closed components have normals that point inwards: their curvature has the opposite sign",
+            report.inside_out_components
+        ));
+    }
+    all
+}
+
+/// Places every mesh of the scene.
+fn summarise(scene: &Scene, mesh: &Mesh) -> SceneSummary {
+    let mut summary = SceneSummary { instances: 0, faces: 0, bounds: None };
+    let mut open: Vec<(usize, DMat4)> = scene.roots.iter().map(|&root| (root, DMat4::IDENTITY)).collect();
+    while let Some((n, parent)) = open.pop() {
+        let node = &scene.nodes[n];
+        let global = parent * matrix(&node.transform);
+        open.extend(node.children.iter().map(|&child| (child, global)));
+        if let Some(body) = node.body {
+            let faces = mesh.bodies()[body].faces.clone();
+            summary.instances += 1;
+            summary.faces += faces.len();
+            let corners = faces.flat_map(|f| mesh.triangle(Face(f))).filter(|p| p.is_finite());
+            let here = Bounds::of(corners.map(|p: DVec3| global.transform_point3(p)));
+            summary.bounds = match (summary.bounds, here) {
+                (Some(a), Some(b)) => Some(Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }),
+                (a, b) => a.or(b),
+            };
+        }
+    }
+    summary
+}
+
+fn matrix(transform: &Transform) -> DMat4 {
+    match transform {
+        Transform::Matrix(columns) => DMat4::from_cols_array(&columns.map(f64::from)),
+        Transform::Parts { translation, rotation, scale } => {
+            let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+            DMat4::from_scale_rotation_translation(
+                scale.map_or(DVec3::ONE, vector),
+                rotation.map_or(DQuat::IDENTITY, |q| DQuat::from_array(q.map(f64::from))),
+                translation.map_or(DVec3::ZERO, vector),
+            )
+        }
+    }
+}

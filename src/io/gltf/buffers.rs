@@ -1,0 +1,418 @@
+//! The bytes behind a glTF document: the BIN chunk, data URIs and external files.
+//!
+//! A buffer is loaded when the first accessor asks for it, so that the images and animations of a
+//! large scene are never read.
+
+use crate::error::ParseError;
+use base64::Engine;
+use base64::engine::general_purpose::{GeneralPurpose, PAD_INDIFFERENT};
+use gltf_json::{Buffer, Index, buffer::View};
+use percent_encoding::percent_decode_str;
+use serde_json::{Map, Value};
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::path::{Component, Path};
+
+/// Where the bytes of buffers can come from.
+pub(super) struct Source<'a> {
+    /// The whole input file.
+    pub(super) file: &'a [u8],
+    /// The BIN chunk of a GLB.
+    pub(super) bin: Option<&'a [u8]>,
+    /// Where external files may be; `None` when the input is a stream.
+    pub(super) folder: Option<&'a Path>,
+}
+
+/// The buffers and buffer views of a document.
+pub(super) struct Buffers<'a> {
+    buffers: &'a [Buffer],
+    views: &'a [View],
+    source: Source<'a>,
+    meshopt_required: bool,
+    loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+}
+
+/// Equally spaced elements in a buffer, all inside the bytes that are really there.
+#[derive(Clone, Copy)]
+pub(super) struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Elements<'a> {
+    /// Number of elements.
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The bytes of an element. Panics when `index >= len()`.
+    #[inline]
+    pub(super) fn get(&self, index: usize) -> &'a [u8] {
+        let start = index * self.stride;
+        &self.bytes[start..start + self.size]
+    }
+
+    /// The bytes of all elements in order.
+    pub(super) fn iter(self) -> impl Iterator<Item = &'a [u8]> {
+        // The last chunk is as short as an element; the others may have a gap behind it.
+        self.bytes.chunks(self.stride).map(move |chunk| &chunk[..self.size])
+    }
+}
+
+/// A run of elements that an accessor asks for, and where it says so.
+pub(super) struct Run<'p> {
+    /// The view to read.
+    pub(super) view: Index<View>,
+    /// Byte offset of the first element in the view.
+    pub(super) offset: u64,
+    /// Bytes of one element, at least 1.
+    pub(super) size: usize,
+    /// Number of elements.
+    pub(super) count: u64,
+    /// JSON path of the object with `bufferView` and `byteOffset`.
+    pub(super) path: &'p str,
+    /// JSON path of the count.
+    pub(super) count_path: &'p str,
+}
+
+impl<'a> Buffers<'a> {
+    /// `meshopt_required` says that compressed views have no other content to fall back on.
+    pub(super) fn new(buffers: &'a [Buffer], views: &'a [View], meshopt_required: bool, source: Source<'a>) -> Self {
+        let loaded = buffers.iter().map(|_| OnceCell::new()).collect();
+        Buffers { buffers, views, source, meshopt_required, loaded }
+    }
+
+    /// Bytes read so far: what a document may reasonably be expanded from.
+    pub(super) fn bytes_at_hand(&self) -> usize {
+        let loaded = self.loaded.iter().filter_map(OnceCell::get);
+        let owned = loaded.filter(|bytes| matches!(bytes, Cow::Owned(_))).map(|bytes| bytes.len());
+        owned.fold(self.source.file.len(), usize::saturating_add)
+    }
+
+    /// The elements of a run, checked against view and buffer.
+    pub(super) fn elements(&self, run: &Run<'_>) -> Result<Elements<'_>, ParseError> {
+        let index = run.view.value();
+        let view = self.views.get(index).ok_or_else(|| {
+            let views = self.views.len();
+            ParseError::json(
+                format!("{}.bufferView", run.path),
+                format!("there is no buffer view {index} among {views}"),
+            )
+        })?;
+        let stride = match view.byte_stride {
+            None => run.size,
+            Some(stride) if stride.0 == 0 => run.size,
+            Some(stride) if stride.0 >= run.size => stride.0,
+            Some(stride) => {
+                let what = format!("a stride of {} bytes is less than the {} bytes of an element", stride.0, run.size);
+                return Err(ParseError::json(format!("bufferViews[{index}].byteStride"), what));
+            }
+        };
+        if view.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others))
+            && (self.meshopt_required || !self.has_data(view.buffer))
+        {
+            return Err(meshopt_error(format!("bufferViews[{index}].extensions")));
+        }
+
+        let too_long = || {
+            let what = format!(
+                "{} elements from byte {} at {stride} bytes each do not fit bufferViews[{index}], which has {} bytes",
+                run.count, run.offset, view.byte_length.0
+            );
+            ParseError::json(run.count_path, what)
+        };
+        let count = usize::try_from(run.count).map_err(|_| too_long())?;
+        if count == 0 {
+            return Ok(Elements { bytes: &[], stride, size: run.size, count });
+        }
+        let span = (count - 1).checked_mul(stride).and_then(|gaps| gaps.checked_add(run.size)).ok_or_else(too_long)?;
+        let end = run.offset.checked_add(span as u64).filter(|&end| end <= view.byte_length.0).ok_or_else(too_long)?;
+
+        let data = self.data(view.buffer, index)?;
+        let missing = || {
+            let buffer = view.buffer.value();
+            let what = format!(
+                "the view's bytes are needed up to {end} from byte {}, but buffers[{buffer}] has only {} bytes",
+                view.byte_offset.map_or(0, |offset| offset.0),
+                data.len()
+            );
+            ParseError::json(format!("bufferViews[{index}]"), what)
+        };
+        let start = view.byte_offset.map_or(0, |offset| offset.0).checked_add(run.offset).ok_or_else(missing)?;
+        let start = usize::try_from(start).map_err(|_| missing())?;
+        let end = start.checked_add(span).ok_or_else(missing)?;
+        let bytes = data.get(start..end).ok_or_else(missing)?;
+        Ok(Elements { bytes, stride, size: run.size, count })
+    }
+
+    /// True when the buffer says where its bytes are.
+    fn has_data(&self, index: Index<Buffer>) -> bool {
+        self.buffers.get(index.value()).is_some_and(|buffer| {
+            let placeholder = buffer.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others));
+            buffer.uri.is_some() || (index.value() == 0 && self.source.bin.is_some() && !placeholder)
+        })
+    }
+
+    /// All bytes of a buffer, loaded on the first call.
+    fn data(&self, index: Index<Buffer>, view: usize) -> Result<&[u8], ParseError> {
+        let index = index.value();
+        let (Some(buffer), Some(cell)) = (self.buffers.get(index), self.loaded.get(index)) else {
+            let what = format!("there is no buffer {index} among {}", self.buffers.len());
+            return Err(ParseError::json(format!("bufferViews[{view}].buffer"), what));
+        };
+        if let Some(bytes) = cell.get() {
+            return Ok(bytes);
+        }
+        let bytes = match (&buffer.uri, self.source.bin) {
+            (Some(uri), _) => {
+                load(uri, self.source.folder).map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?
+            }
+            (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
+            (None, _) => {
+                let what =
+                    "the buffer has no uri, and only the first buffer may be a GLB's BIN chunk, where there is one";
+                return Err(ParseError::json(format!("buffers[{index}]"), what));
+            }
+        };
+        Ok(cell.get_or_init(|| bytes))
+    }
+}
+
+/// The extension goes by two names: the vendors' and, since its ratification, Khronos's.
+fn has_meshopt(extensions: &Map<String, Value>) -> bool {
+    extensions.contains_key("EXT_meshopt_compression") || extensions.contains_key("KHR_meshopt_compression")
+}
+
+fn meshopt_error(path: String) -> ParseError {
+    let way_out = "`gltf-transform copy in.glb out.glb` decodes it";
+    ParseError::json(path, format!("the data is compressed with meshopt, which is not read here; {way_out}"))
+}
+
+/// The bytes behind a URI, or why there are none.
+fn load<'a>(uri: &'a str, folder: Option<&Path>) -> Result<Cow<'a, [u8]>, String> {
+    match uri.get(..5) {
+        Some(scheme) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(&uri[5..]),
+        _ => read_external(uri, folder).map(Cow::Owned),
+    }
+}
+
+/// The part of a data URI after `data:`. The media type is nobody's business here.
+fn decode_data_uri(rest: &str) -> Result<Cow<'_, [u8]>, String> {
+    /// Reads what sloppy encoders write: padding missing, bits left over in the last symbol.
+    const BASE64: GeneralPurpose =
+        GeneralPurpose::new(&base64::alphabet::STANDARD, PAD_INDIFFERENT.with_decode_allow_trailing_bits(true));
+
+    let (header, content) = rest.split_once(',').ok_or("the data URI has no comma before its data")?;
+    let content: Cow<'_, [u8]> = percent_decode_str(content).into();
+    let is_base64 = header.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
+    if !is_base64 {
+        return Ok(content);
+    }
+    let bytes = if content.iter().any(u8::is_ascii_whitespace) {
+        BASE64.decode(content.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect::<Vec<u8>>())
+    } else {
+        BASE64.decode(content)
+    };
+    bytes.map(Cow::Owned).map_err(|error| format!("the base64 data cannot be decoded: {error}"))
+}
+
+/// Reads a file that must lie in or below `folder`: a model may not make us read anything else.
+fn read_external(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+    let cut: String = uri.chars().take(80).collect();
+    if has_scheme(uri) {
+        return Err(format!("\"{cut}\" is not read: only paths relative to the model's folder are"));
+    }
+    let Some(folder) = folder else {
+        return Err(format!(
+            "\"{cut}\" is a file of its own, which cannot be found from a stream; give the model's path, or a GLB"
+        ));
+    };
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| format!("\"{cut}\" is not UTF-8"))?;
+    let path = Path::new(&*decoded);
+    for component in path.components() {
+        let reason = match component {
+            Component::Normal(_) | Component::CurDir => continue,
+            Component::ParentDir => "`..` may lead out of the model's folder",
+            Component::RootDir | Component::Prefix(_) => "only paths relative to the model's folder are",
+        };
+        return Err(format!("\"{cut}\" is not read: {reason}"));
+    }
+    let cannot = |error| format!("\"{cut}\" cannot be read: {error}");
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = folder.canonicalize().map_err(cannot)?;
+    let file = folder.join(path).canonicalize().map_err(cannot)?;
+    if !file.starts_with(&folder) {
+        return Err(format!("\"{cut}\" is not read: it is a link that leads out of the model's folder"));
+    }
+    // A pipe or a device in the folder would block or never end.
+    if !file.metadata().map_err(cannot)?.is_file() {
+        return Err(format!("\"{cut}\" cannot be read: it is not a file"));
+    }
+    std::fs::read(file).map_err(cannot)
+}
+
+/// True for `http:`, `file:` and their like, Windows drive letters among them (RFC 3986, 3.1).
+fn has_scheme(uri: &str) -> bool {
+    uri.split_once(':').is_some_and(|(scheme, _)| {
+        scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+            && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gltf_json::validation::USize64;
+    use std::fs;
+
+    fn buffers(value: Value) -> Vec<Buffer> {
+        serde_json::from_value::<Vec<Value>>(value)
+            .expect("an array")
+            .iter()
+            .map(|v| serde_json::from_str(&v.to_string()).expect("a buffer"))
+            .collect()
+    }
+
+    fn view(text: &str) -> Vec<View> {
+        vec![serde_json::from_str(text).expect("a view")]
+    }
+
+    fn run(offset: u64, size: usize, count: u64) -> Run<'static> {
+        Run { view: Index::new(0), offset, size, count, path: "accessors[0]", count_path: "accessors[0].count" }
+    }
+
+    fn source(bin: &[u8]) -> Source<'_> {
+        Source { file: bin, bin: Some(bin), folder: None }
+    }
+
+    #[test]
+    fn data_uris_are_decoded() {
+        for (uri, expected) in [
+            ("data:application/octet-stream;base64,AAEC/w==", &[0, 1, 2, 255][..]),
+            ("data:application/gltf-buffer;base64,AAEC/w", &[0, 1, 2, 255]),
+            ("DATA:;BASE64,AAEC/x==", &[0, 1, 2, 255]),
+            ("data:;base64,AAEC%2Fw%3D%3D", &[0, 1, 2, 255]),
+            ("data:;base64,AAEC\n /w==", &[0, 1, 2, 255]),
+            ("data:text/plain;charset=utf-8,a%20b,%00c", b"a b,\0c"),
+            ("data:,", b""),
+        ] {
+            assert_eq!(&*load(uri, None).unwrap_or_else(|e| panic!("{uri}: {e}")), expected, "{uri}");
+        }
+        assert!(load("data:;base64", None).expect_err("no comma").contains("comma"));
+        assert!(load("data:;base64,A$", None).expect_err("a dollar").contains("base64"));
+    }
+
+    #[test]
+    fn external_files_are_found_by_their_decoded_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("sub")).expect("a folder");
+        fs::write(folder.path().join("sub/my büffer#1.bin"), b"1234").expect("a file");
+        for uri in ["sub/my%20b%C3%BCffer%231.bin", "./sub/my büffer#1.bin"] {
+            assert_eq!(&*load(uri, Some(folder.path())).unwrap_or_else(|e| panic!("{uri}: {e}")), b"1234");
+        }
+        let missing = load("none.bin", Some(folder.path())).expect_err("missing");
+        assert!(missing.contains("\"none.bin\" cannot be read: No such file"), "{missing}");
+        assert!(load("sub", Some(folder.path())).expect_err("a folder").contains("not a file"));
+        assert!(load("sub/x.bin", None).expect_err("a stream").contains("stream"));
+    }
+
+    #[test]
+    fn nothing_outside_the_folder_is_read() {
+        let outer = tempfile::tempdir().expect("a folder");
+        fs::write(outer.path().join("secret.bin"), b"1234").expect("a file");
+        let folder = outer.path().join("model");
+        fs::create_dir(&folder).expect("a folder");
+        let absolute = outer.path().join("secret.bin").to_string_lossy().into_owned();
+        for uri in [
+            "../secret.bin",
+            "%2e%2E/secret.bin",
+            "..%2Fsecret.bin",
+            "x/../../secret.bin",
+            &absolute,
+            &format!("file://{absolute}"),
+            "https://example.org/a.bin",
+            "C:\\a.bin",
+        ] {
+            let error = load(uri, Some(&folder)).expect_err(uri);
+            assert!(error.contains("is not read"), "{uri}: {error}");
+        }
+        for uri in ["", ".", "a%00b", "%ff"] {
+            load(uri, Some(&folder)).expect_err(uri);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_only_inside_the_folder() {
+        let outer = tempfile::tempdir().expect("a folder");
+        fs::write(outer.path().join("secret.bin"), b"1234").expect("a file");
+        let folder = outer.path().join("model");
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(folder.join("own.bin"), b"own").expect("a file");
+        std::os::unix::fs::symlink("own.bin", folder.join("inside.bin")).expect("a link");
+        std::os::unix::fs::symlink("../secret.bin", folder.join("outside.bin")).expect("a link");
+        std::os::unix::fs::symlink(outer.path(), folder.join("up")).expect("a link");
+        assert_eq!(&*load("inside.bin", Some(&folder)).expect("inside"), b"own");
+        for uri in ["outside.bin", "up/secret.bin"] {
+            assert!(load(uri, Some(&folder)).expect_err(uri).contains("leads out"));
+        }
+    }
+
+    #[test]
+    fn elements_keep_inside_view_and_buffer() {
+        let buffers_list = buffers(serde_json::json!([{ "byteLength": 10 }]));
+        let views = view(r#"{ "buffer": 0, "byteOffset": 2, "byteLength": 8, "byteStride": 4 }"#);
+        let bin = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9];
+        let all = Buffers::new(&buffers_list, &views, false, source(&bin));
+        let elements = all.elements(&run(1, 2, 2)).expect("inside");
+        assert_eq!(elements.iter().collect::<Vec<_>>(), [[3, 4], [7, 8]]);
+        assert_eq!((elements.len(), elements.get(1)), (2, &[7, 8][..]));
+        assert_eq!(all.elements(&run(u64::MAX, 2, 0)).expect("nothing asked for").iter().count(), 0);
+        for (offset, size, count) in
+            [(3, 2, 2), (0, 4, 3), (9, 1, 1), (0, 1, u64::MAX), (u64::MAX, 1, 1), (u64::MAX - 3, 4, 1 << 62)]
+        {
+            let error = all.elements(&run(offset, size, count)).err().expect("outside");
+            assert!(error.to_string().starts_with("accessors[0].count: "), "{error}");
+        }
+        assert!(all.elements(&run(0, 8, 1)).err().expect("stride 4").to_string().contains("bufferViews[0].byteStride"));
+    }
+
+    #[test]
+    fn a_short_buffer_matters_only_where_it_is_read() {
+        let buffers_list = buffers(serde_json::json!([{ "byteLength": 100 }]));
+        let mut views = view(r#"{ "buffer": 0, "byteLength": 100 }"#);
+        let all = Buffers::new(&buffers_list, &views, false, source(&[7; 10]));
+        assert!(all.elements(&run(0, 5, 2)).is_ok());
+        assert!(all.elements(&run(0, 11, 1)).err().expect("too far").to_string().starts_with("bufferViews[0]: "));
+        views[0].byte_offset = Some(USize64(u64::MAX));
+        let all = Buffers::new(&buffers_list, &views, false, source(&[7; 10]));
+        assert!(all.elements(&run(0, 5, 2)).is_err());
+        views[0].buffer = Index::new(3);
+        let all = Buffers::new(&buffers_list, &views, false, source(&[7; 10]));
+        assert!(
+            all.elements(&run(0, 1, 1)).err().expect("no buffer").to_string().starts_with("bufferViews[0].buffer: ")
+        );
+    }
+
+    #[test]
+    fn compressed_views_are_read_only_from_a_real_fallback() {
+        let views = view(
+            r#"{ "buffer": 1, "byteLength": 4, "extensions": { "EXT_meshopt_compression":
+                { "buffer": 0, "byteLength": 2, "byteStride": 1, "count": 4, "mode": "ATTRIBUTES" } } }"#,
+        );
+        let empty = buffers(serde_json::json!([
+            { "byteLength": 4 }, { "byteLength": 4, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }
+        ]));
+        let full = buffers(serde_json::json!([{ "byteLength": 4 }, { "byteLength": 4, "uri": "data:,abcd" }]));
+        let read = |list: &[Buffer], required| {
+            let all = Buffers::new(list, &views, required, source(b"xxxx"));
+            all.elements(&run(0, 4, 1)).map(|elements| elements.get(0).to_vec())
+        };
+        assert_eq!(read(&full, false).expect("a fallback"), b"abcd");
+        for error in [read(&empty, false), read(&full, true)] {
+            assert!(error.expect_err("compressed").to_string().contains("gltf-transform copy"));
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! Wavefront OBJ: positions, polygons and groups.
+//!
+//! Read here and not by `tobj`, which fails on whole files for a continued line, a comment behind a
+//! face, a coloured vertex or one byte that is not UTF-8, and cannot say where (docs/decisions.md).
+//! Tests compare the two on files that both read.
+
+use super::text::{self, Lines};
+use crate::error::ParseError;
+use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
+use crate::triangulate::{Outcome, triangulate};
+use glam::DVec3;
+
+/// True when one of the first lines is a vertex or face statement.
+pub(super) fn looks_like(bytes: &[u8]) -> bool {
+    text::is_text(bytes)
+        && Lines::new(bytes).take(1000).any(|(_, line)| {
+            let mut words = text::words(line);
+            matches!(words.next(), Some(b"v")) && words.take(3).filter(|word| text::number(word).is_some()).count() == 3
+        })
+}
+
+/// Polygons as read, before all positions are known: a face may name a vertex of a later line.
+#[derive(Default)]
+struct Polygons {
+    corners: Vec<u32>,
+    /// The end of each polygon in `corners`.
+    ends: Vec<usize>,
+    /// The largest vertex number (from 0) and its line.
+    largest: Option<(u32, u64)>,
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
+    let mut positions: Vec<[f64; 3]> = Vec::new();
+    let mut polygons = Polygons::default();
+    // Per group: its name and the number of polygons before it.
+    let mut groups: Vec<(String, usize)> = Vec::new();
+    let (mut object, mut group) = (String::new(), String::new());
+    let mut too_few = Vec::new();
+
+    let mut lines = Lines::new(bytes);
+    while let Some((line, first)) = lines.next() {
+        let joined;
+        let content = if first.trim_ascii_end().ends_with(b"\\") {
+            joined = join_continued(first, &mut lines);
+            joined.as_slice()
+        } else {
+            first
+        };
+        let content = content.split(|&b| b == b'#').next().unwrap_or_default();
+        let mut words = text::words(content);
+        match words.next() {
+            Some(b"v") => positions.push(position(words, line, content)?),
+            Some(b"f") => {
+                let corners = polygons.push(words, positions.len(), line)?;
+                if corners < 3 {
+                    polygons.drop_last(corners);
+                    too_few.push(line);
+                }
+            }
+            Some(keyword @ (b"o" | b"g")) => {
+                let name = text::name(&content.trim_ascii()[keyword.len()..]);
+                if keyword == b"o" {
+                    object = name
+                } else {
+                    group = name
+                }
+                let full = if object.is_empty() || group.is_empty() {
+                    format!("{object}{group}")
+                } else {
+                    format!("{object}/{group}")
+                };
+                groups.push((full, polygons.ends.len()));
+            }
+            // Everything else concerns looks, curves or points.
+            _ => {}
+        }
+    }
+    polygons.check(positions.len())?;
+    build(positions, &polygons, &groups, &too_few)
+}
+
+/// A line that ends in a backslash goes on in the next.
+fn join_continued(first: &[u8], lines: &mut Lines<'_>) -> Vec<u8> {
+    let mut joined = first.trim_ascii_end().to_vec();
+    while joined.last() == Some(&b'\\') {
+        joined.pop();
+        joined.push(b' ');
+        let Some((_, next)) = lines.next() else { break };
+        joined.extend_from_slice(next.trim_ascii_end());
+    }
+    joined
+}
+
+/// The first three numbers; a weight or a colour may follow.
+fn position<'w>(mut words: impl Iterator<Item = &'w [u8]>, line: u64, content: &[u8]) -> Result<[f64; 3], ParseError> {
+    let mut point = [0.0; 3];
+    for coordinate in &mut point {
+        *coordinate = words.next().and_then(text::number).ok_or_else(|| {
+            ParseError::line(line, format!("a vertex has three numbers, not {}", text::quoted(content.trim_ascii())))
+        })?;
+    }
+    Ok(point)
+}
+
+impl Polygons {
+    /// Reads the corners `v`, `v/vt`, `v//vn` or `v/vt/vn` of a face; returns how many there are.
+    fn push<'w>(
+        &mut self,
+        words: impl Iterator<Item = &'w [u8]>,
+        vertices: usize,
+        line: u64,
+    ) -> Result<usize, ParseError> {
+        let start = self.corners.len();
+        for word in words {
+            let index = word.split(|&b| b == b'/').next().unwrap_or_default();
+            let index: i64 = std::str::from_utf8(index)
+                .ok()
+                .and_then(|s| s.parse().ok())
+                .ok_or_else(|| ParseError::line(line, format!("{} is no vertex number", text::quoted(word))))?;
+            // Positive numbers count from the file's first vertex, negative ones back from here.
+            let corner = match index {
+                0 => return Err(ParseError::line(line, "vertex number 0: they start at 1")),
+                1.. => index - 1,
+                _ => index.checked_add(vertices as i64).filter(|&i| i >= 0).ok_or_else(|| {
+                    ParseError::line(
+                        line,
+                        format!("vertex {index} counts back before the first of {vertices} vertices"),
+                    )
+                })?,
+            };
+            let corner =
+                u32::try_from(corner).map_err(|_| ParseError::line(line, format!("vertex {index} is out of range")))?;
+            if self.largest.is_none_or(|(largest, _)| corner > largest) {
+                self.largest = Some((corner, line));
+            }
+            self.corners.push(corner);
+        }
+        self.ends.push(self.corners.len());
+        Ok(self.corners.len() - start)
+    }
+
+    fn drop_last(&mut self, corners: usize) {
+        self.ends.pop();
+        self.corners.truncate(self.corners.len() - corners);
+    }
+
+    fn check(&self, vertices: usize) -> Result<(), ParseError> {
+        match self.largest {
+            Some((largest, line)) if largest as usize >= vertices => Err(ParseError::line(
+                line,
+                format!("vertex {} is out of range: the file has {vertices} vertices", u64::from(largest) + 1),
+            )),
+            None => Err(ParseError::file("there are no faces; a point cloud must be meshed first")),
+            _ if self.corners.len() - 2 * self.ends.len() > MAX_FACES => {
+                Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn build(
+    positions: Vec<[f64; 3]>,
+    polygons: &Polygons,
+    groups: &[(String, usize)],
+    too_few: &[u64],
+) -> Result<Soup, ParseError> {
+    let mut triangles = Vec::with_capacity(polygons.corners.len() - 2 * polygons.ends.len());
+    let mut rough = 0;
+    let mut spans: Vec<Group> = Vec::new();
+    let mut next_group = groups.iter().peekable();
+    let mut start = 0;
+    for (i, &end) in polygons.ends.iter().enumerate() {
+        while let Some((name, _)) = next_group.next_if(|(_, before)| *before <= i) {
+            begin_group(&mut spans, name, triangles.len() as u32);
+        }
+        let corners = &polygons.corners[start..end];
+        if triangulate(corners, |c| DVec3::from_array(positions[c as usize]), &mut triangles) == Outcome::Rough {
+            rough += 1;
+        }
+        start = end;
+    }
+    if triangles.is_empty() {
+        return Err(ParseError::file("there are no faces with three or more corners"));
+    }
+    if let Some(last) = spans.last_mut() {
+        last.faces.end = triangles.len() as u32;
+    }
+    let mut soup = Soup::new(Positions::F64(positions), triangles);
+    soup.groups = spans;
+    if let Some(line) = too_few.first() {
+        soup.notes.push(Note::repaired(format!(
+            "{} faces with fewer than three corners are left out, the first in line {line}",
+            too_few.len()
+        )));
+    }
+    if rough > 0 {
+        soup.notes.push(Note::info(format!(
+            "{rough} polygons cross themselves or have no area; their triangles may overlap"
+        )));
+    }
+    Ok(soup)
+}
+
+/// Ends the group before and begins the next; a group without faces leaves no trace.
+fn begin_group(spans: &mut Vec<Group>, name: &str, at: u32) {
+    match spans.last_mut() {
+        Some(last) if last.faces.start == at => last.name = name.to_owned(),
+        Some(last) if last.name == name => {}
+        last => {
+            if let Some(last) = last {
+                last.faces.end = at;
+            }
+            spans.push(Group { name: name.to_owned(), faces: at..at });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faces(text: &str) -> Vec<[u32; 3]> {
+        read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}")).triangles
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn faces_are_written_in_many_ways() {
+        let two = [[0, 1, 2], [0, 2, 3]];
+        for face in [
+            "f 1 2 3 4",
+            "f 1/1 2/2 3/3 4/4",
+            "f 1//1 2//2 3//3 4//4",
+            "f -4 -3 -2 -1",
+            "f 1 2 \\\n 3 4 # four",
+            "f  1/1/1\t2/2/2 3/3/3 4/4/4\r",
+        ] {
+            assert_eq!(faces(&format!("{SQUARE}{face}\n")), two, "{face}");
+        }
+        assert_eq!(faces(&format!("f 1 2 3 4\n{SQUARE}")), two, "a face before its vertices");
+    }
+
+    #[test]
+    fn vertices_may_carry_weights_and_colours() {
+        let soup = read(b"v 1 2 3 1.0\nv 4 5 6 0.1 0.2 0.3\nv 7 8 9 1 0.1 0.2 0.3\nf 1 2 3").expect("readable");
+        assert_eq!(soup.positions, Positions::F64(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]));
+    }
+
+    #[test]
+    fn groups_and_objects_are_remembered() {
+        let text = format!("{SQUARE}o body\ng left\nf 1 2 3\ng right\ng left\nusemtl gr?n\nf 1 3 4\no tail\nf 2 3 4\n");
+        // A name in Latin-1, as old exporters write it.
+        let bytes: Vec<u8> = text.bytes().map(|b| if b == b'?' { 0xfc } else { b }).collect();
+        let soup = read(&bytes).expect("readable");
+        let groups: Vec<_> = soup.groups.iter().map(|g| (g.name.as_str(), g.faces.clone())).collect();
+        assert_eq!(groups, [("body/left", 0..2), ("tail/left", 2..3)]);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_line() {
+        for (face, line) in [
+            ("f 1 2 9", "line 5: vertex 9"),
+            ("f 0 1 2", "line 5: vertex number 0"),
+            ("f -9 1 2", "line 5: vertex -9"),
+            ("f a b c", "line 5: \"a\""),
+        ] {
+            let error = read(format!("{SQUARE}{face}\n").as_bytes()).expect_err(face).to_string();
+            assert!(error.starts_with(line), "{error}");
+        }
+        assert!(read(b"v 1 2\n").expect_err("two numbers").to_string().starts_with("line 1: "));
+        assert!(read(b"v 1 2 3\n").expect_err("a point").to_string().contains("no faces"));
+        let soup = read(format!("{SQUARE}f 1 2\nf 1 2 3\n").as_bytes()).expect("one face is good");
+        assert!(soup.face_count() == 1 && soup.notes[0].repaired && soup.notes[0].message.contains("line 5"));
+    }
+
+    #[test]
+    fn agrees_with_tobj_on_what_both_read() {
+        let text = format!("{SQUARE}v 2 2 2\no a\nf 1 2 3\nf 1//1 3//1 4//1\nf -1 -2 -3\n").replace("//1", "");
+        let ours = read(text.as_bytes()).expect("readable");
+        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &tobj::LoadOptions::default(), |_| {
+            tobj::load_mtl_buf(&mut &b""[..])
+        })
+        .expect("tobj reads it");
+        let theirs: Vec<[f64; 3]> = models
+            .iter()
+            .flat_map(|m| m.mesh.indices.iter().map(|&i| [0, 1, 2].map(|c| m.mesh.positions[3 * i as usize + c])))
+            .collect();
+        let ours: Vec<[f64; 3]> =
+            ours.triangles.as_flattened().iter().map(|&i| ours.positions.get(i as usize).to_array()).collect();
+        assert_eq!(ours, theirs);
+    }
+}

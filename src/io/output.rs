@@ -1,0 +1,131 @@
+//! Outputs that appear whole or not at all.
+
+use crate::error::Error;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes gathered before a write; larger brings nothing, smaller costs system calls.
+const BUFFER: usize = 256 * 1024;
+
+/// A file being written beside its final place, or a stream that cannot be taken back.
+pub struct Output {
+    path: PathBuf,
+    sink: Sink,
+}
+
+enum Sink {
+    /// Renamed to `path` when done; removed when dropped before.
+    Temporary(BufWriter<tempfile::NamedTempFile>),
+    /// A device or pipe, or standard output.
+    Stream(Box<dyn Write>),
+}
+
+impl Output {
+    /// Opens an output file. The file at `path`, if there is one, stays as it is until
+    /// [`Output::finish`]; a device or a named pipe is written to as it is.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the folder does not exist or cannot be written to.
+    pub fn create(path: &Path) -> Result<Self, Error> {
+        let failed = |e| Error::io(path, "create", e);
+        // A link is followed, so that the file it points to is replaced and not the link.
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let sink = match target.metadata() {
+            Ok(metadata) if metadata.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
+            Ok(metadata) if !metadata.is_file() => {
+                let file = File::options().write(true).open(&target).map_err(failed)?;
+                Sink::Stream(Box::new(BufWriter::with_capacity(BUFFER, file)))
+            }
+            _ => {
+                let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+                let mut builder = tempfile::Builder::new();
+                builder.prefix(".osculate-").suffix(".part");
+                #[cfg(unix)]
+                {
+                    use std::os::unix::fs::PermissionsExt;
+                    // As any new file: the user's umask decides.
+                    builder.permissions(std::fs::Permissions::from_mode(0o666));
+                }
+                Sink::Temporary(BufWriter::with_capacity(BUFFER, builder.tempfile_in(folder).map_err(failed)?))
+            }
+        };
+        Ok(Output { path: target, sink })
+    }
+
+    /// Standard output.
+    pub fn stdout() -> Self {
+        let stream = BufWriter::with_capacity(BUFFER, io::stdout());
+        Output { path: "standard output".into(), sink: Sink::Stream(Box::new(stream)) }
+    }
+
+    /// The file's path, for messages.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Names this output in an I/O error.
+    pub fn error(&self, source: io::Error) -> Error {
+        Error::io(&self.path, "write", source)
+    }
+
+    /// Writes what is still buffered and puts the file in its place.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; the temporary file is then gone and what was at `path` before is still there.
+    pub fn finish(self) -> Result<(), Error> {
+        let Output { path, sink } = self;
+        let failed = |e| Error::io(&path, "write", e);
+        match sink {
+            Sink::Stream(mut stream) => stream.flush().map_err(failed),
+            Sink::Temporary(writer) => {
+                let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
+                file.persist(&path).map_err(|e| failed(e.error))?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.sink {
+            Sink::Temporary(writer) => writer.write(bytes),
+            Sink::Stream(stream) => stream.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.sink {
+            Sink::Temporary(writer) => writer.flush(),
+            Sink::Stream(stream) => stream.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_old_file_stays_until_the_new_one_is_whole() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("out.csv");
+        std::fs::write(&path, "old").expect("writable");
+        let mut output = Output::create(&path).expect("creatable");
+        output.write_all(b"new").expect("writable");
+        assert_eq!(std::fs::read(&path).expect("there"), b"old");
+        drop(output);
+        assert_eq!(std::fs::read(&path).expect("there"), b"old");
+        assert_eq!(std::fs::read_dir(&folder).expect("a folder").count(), 1, "nothing is left behind");
+        let mut output = Output::create(&path).expect("creatable");
+        output.write_all(b"new").expect("writable");
+        output.finish().expect("renamed");
+        assert_eq!(std::fs::read(&path).expect("there"), b"new");
+    }
+
+    #[test]
+    fn a_missing_folder_is_an_error() {
+        assert!(Output::create(Path::new("/no/such/folder/out.glb")).is_err());
+    }
+}

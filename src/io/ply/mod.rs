@@ -1,0 +1,7 @@
+//! PLY, both ways.
+
+mod read;
+mod write;
+
+pub(super) use read::{looks_like, read};
+pub(super) use write::write;

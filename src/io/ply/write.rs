@@ -1,0 +1,83 @@
+//! PLY for MeshLab: shared vertices, and per face the quality, the colour and all quantities.
+//!
+//! MeshLab takes numbers per face from nowhere else: it reads the face properties `quality` and
+//! `red green blue alpha` and steps over the others.
+
+use crate::annotation::Annotation;
+use crate::io::blocks::in_blocks;
+use crate::mesh::Face;
+use crate::progress::Progress;
+use crate::quantity::Quantity;
+use std::io::{self, Write};
+
+/// Writes binary little-endian PLY in the input's own axes and units. Coordinates are doubles where
+/// the mesh has an origin, floats otherwise. A face without estimate carries 0 and class -1.
+pub(in crate::io) fn write(
+    annotation: &Annotation<'_>,
+    out: &mut dyn Write,
+    progress: &dyn Progress,
+) -> io::Result<()> {
+    let mesh = annotation.mesh;
+    // Each face is a row by its place: a column of face numbers would say nothing more.
+    let quantities: Vec<Quantity> =
+        annotation.selection.for_csv().into_iter().filter(|&q| q != Quantity::Face).collect();
+    let origin = mesh.origin();
+    let wide = origin != glam::DVec3::ZERO;
+    let coordinate = if wide { "double" } else { "float" };
+
+    writeln!(out, "ply\nformat binary_little_endian 1.0")?;
+    writeln!(out, "comment made by osculate {}", env!("CARGO_PKG_VERSION"))?;
+    writeln!(out, "comment settings {}", annotation.provenance)?;
+    writeln!(out, "element vertex {}", mesh.positions().len())?;
+    for axis in ["x", "y", "z"] {
+        writeln!(out, "property {coordinate} {axis}")?;
+    }
+    writeln!(out, "element face {}\nproperty list uchar int vertex_indices", mesh.face_count())?;
+    if annotation.colors.is_some() {
+        writeln!(out, "property float quality")?;
+        for channel in ["red", "green", "blue", "alpha"] {
+            writeln!(out, "property uchar {channel}")?;
+        }
+    }
+    for column in quantities.iter().flat_map(|q| q.columns().iter().map(move |c| (q, c))) {
+        let kind = if *column.0 == Quantity::Class { "char" } else { "float" };
+        writeln!(out, "property {kind} {}", column.1)?;
+    }
+    writeln!(out, "end_header")?;
+
+    in_blocks(mesh.positions().len(), out, progress, |vertices, bytes| {
+        for position in &mesh.positions()[vertices.start as usize..vertices.end as usize] {
+            for c in (*position + origin).to_array() {
+                if wide {
+                    bytes.extend(c.to_le_bytes());
+                } else {
+                    bytes.extend((c as f32).to_le_bytes());
+                }
+            }
+        }
+    })?;
+    let palette = annotation.colors.as_ref().map(|colors| (colors, colors.map.palette()));
+    in_blocks(mesh.face_count(), out, progress, |faces, bytes| {
+        for f in faces.map(Face) {
+            let value = &annotation.values[f.index()];
+            bytes.push(3);
+            for vertex in mesh.topology().corners(f) {
+                bytes.extend(vertex.0.to_le_bytes());
+            }
+            if let Some((colors, palette)) = &palette {
+                bytes.extend(colors.quantity.stored(f, value, 0, 1.0).to_le_bytes());
+                let [r, g, b] = palette[colors.color_index(value)];
+                bytes.extend([r, g, b, 255]);
+            }
+            for &quantity in &quantities {
+                for component in 0..quantity.columns().len() {
+                    if quantity == Quantity::Class {
+                        bytes.extend(value.class.code().to_le_bytes());
+                    } else {
+                        bytes.extend(quantity.stored(f, value, component, 1.0).to_le_bytes());
+                    }
+                }
+            }
+        }
+    })
+}

@@ -1,0 +1,290 @@
+//! STL, binary and ASCII.
+//!
+//! Binary files go through `stl_io`, which is handed a neutral header with the number of triangles
+//! that the file really holds. ASCII files are read here: `stl_io` refuses much of what CAD programs
+//! and printers write (see docs/decisions.md).
+
+use super::text::{self, Lines};
+use crate::error::ParseError;
+use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
+use std::io::{Chain, Cursor, Read, Seek, SeekFrom};
+
+const HEADER: usize = 84;
+const RECORD: usize = 50;
+
+/// True when the file's size is just what the count in its header asks for.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    declared(bytes).is_some_and(|count| (HEADER as u64 + RECORD as u64 * count) == bytes.len() as u64)
+}
+
+/// True when the file begins as an ASCII STL and goes on as one.
+pub(super) fn is_ascii(bytes: &[u8]) -> bool {
+    let start = &bytes[..bytes.len().min(4096)];
+    let mut words = text::words(start).map(<[u8]>::to_ascii_lowercase);
+    text::is_text(bytes)
+        && words.next().is_some_and(|word| word == b"solid")
+        && words.any(|word| word == b"facet" || word == b"endsolid")
+}
+
+/// The number of triangles in a binary file's header.
+fn declared(bytes: &[u8]) -> Option<u64> {
+    let count: [u8; 4] = bytes.get(80..HEADER)?.try_into().ok()?;
+    Some(u32::from_le_bytes(count).into())
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
+    if is_binary(bytes) {
+        read_binary(bytes)
+    } else if is_ascii(bytes) {
+        read_ascii(bytes)
+    } else if text::is_text(bytes) {
+        Err(ParseError::line(1, "this is text, but not an ASCII STL, which begins with the word solid and has facets"))
+    } else {
+        read_binary(bytes)
+    }
+}
+
+fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
+    let Some(declared) = declared(bytes) else {
+        return Err(ParseError::file(format!(
+            "a binary STL begins with 84 bytes, but the file ends after {}",
+            bytes.len()
+        )));
+    };
+    let body = &bytes[HEADER..];
+    let held = (body.len() / RECORD) as u64;
+    let left_over = body.len() % RECORD;
+    let count = held.min(if declared == 0 { held } else { declared });
+    if count == 0 {
+        return Err(ParseError::byte(HEADER as u64, "the file ends before the first triangle"));
+    }
+    if count > MAX_FACES as u64 {
+        return Err(ParseError::byte(
+            80,
+            format!("{count} triangles are more than the {MAX_FACES} that can be handled"),
+        ));
+    }
+    let mut notes = Vec::new();
+    if declared > held {
+        notes.push(Note::repaired(format!(
+            "the header promises {declared} triangles, but the file ends after {held}; those are used"
+        )));
+    } else if declared < held || left_over > 0 {
+        let extra = body.len() as u64 - RECORD as u64 * count;
+        if declared == 0 {
+            notes.push(Note::repaired(format!(
+                "the header says 0 triangles, but the file holds {held}; those are used"
+            )));
+        } else {
+            notes.push(Note::repaired(format!("{extra} bytes after the last of {count} triangles are ignored")));
+        }
+    }
+    let mut positions = Vec::with_capacity(3 * count as usize);
+    let mut source = Neutral::new(count as u32, body);
+    let triangles =
+        stl_io::create_stl_reader(&mut source).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
+    for (i, triangle) in triangles.enumerate() {
+        let at = (HEADER + RECORD * i) as u64;
+        let triangle = triangle.map_err(|e| ParseError::byte(at, e.to_string()))?;
+        positions.extend(triangle.vertices.map(|v| v.0));
+    }
+    let mut soup = Soup::new(Positions::F32(positions), corners_in_order(count as u32));
+    soup.notes = notes;
+    Ok(soup)
+}
+
+fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
+    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
+}
+
+/// A binary STL whose header cannot be taken for ASCII and whose count is right.
+struct Neutral<'b> {
+    header: [u8; HEADER],
+    body: &'b [u8],
+    stream: Chain<Cursor<[u8; HEADER]>, &'b [u8]>,
+}
+
+impl<'b> Neutral<'b> {
+    fn new(count: u32, body: &'b [u8]) -> Self {
+        let mut header = [0; HEADER];
+        header[80..].copy_from_slice(&count.to_le_bytes());
+        Neutral { header, body, stream: Cursor::new(header).chain(body) }
+    }
+}
+
+impl Read for Neutral<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.stream.read(buffer)
+    }
+}
+
+/// `stl_io` looks at the header and goes back to the start; nothing else is needed of it.
+impl Seek for Neutral<'_> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        match to {
+            SeekFrom::Start(0) => {
+                self.stream = Cursor::new(self.header).chain(self.body);
+                Ok(0)
+            }
+            _ => Err(std::io::ErrorKind::Unsupported.into()),
+        }
+    }
+}
+
+fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
+    let mut positions: Vec<[f64; 3]> = Vec::new();
+    let mut solids: Vec<Group> = Vec::new();
+    let mut notes = Vec::new();
+    let mut in_facet = 0;
+    let mut lines = 0;
+    for (line, content) in Lines::new(bytes) {
+        lines = line;
+        let mut words = text::words(content);
+        let Some(keyword) = words.next() else { continue };
+        match keyword.to_ascii_lowercase().as_slice() {
+            b"vertex" => {
+                let mut point = [0.0; 3];
+                for coordinate in &mut point {
+                    *coordinate = words.next().and_then(text::number).ok_or_else(|| {
+                        ParseError::line(
+                            line,
+                            format!("a vertex has three numbers, not {}", text::quoted(content.trim_ascii())),
+                        )
+                    })?;
+                }
+                if in_facet == 3 {
+                    return Err(ParseError::line(
+                        line,
+                        "a facet with more than three vertices; export the file as triangles",
+                    ));
+                }
+                positions.push(point);
+                in_facet += 1;
+            }
+            b"endfacet" | b"facet" if in_facet == 3 => in_facet = 0,
+            b"endfacet" | b"facet" if in_facet > 0 => {
+                return Err(ParseError::line(line, format!("a facet ends after {in_facet} of three vertices")));
+            }
+            b"solid" => {
+                let start = (positions.len() / 3) as u32;
+                let name = text::name(&content.trim_ascii()[keyword.len()..]);
+                solids.push(Group { name, faces: start..start });
+            }
+            b"facet" | b"endfacet" | b"outer" | b"endloop" | b"endsolid" => {}
+            _ => {
+                return Err(ParseError::line(
+                    line,
+                    format!("{} is no part of an STL file", text::quoted(content.trim_ascii())),
+                ));
+            }
+        }
+    }
+    if in_facet > 0 && in_facet < 3 {
+        notes.push(Note::repaired(format!(
+            "the file ends inside a facet, after line {lines}; the facets before it are used"
+        )));
+        positions.truncate(positions.len() / 3 * 3);
+    }
+    let count = positions.len() / 3;
+    if count == 0 {
+        return Err(ParseError::file("the solid has no facets"));
+    }
+    if count > MAX_FACES {
+        return Err(ParseError::file(format!("{count} facets are more than the {MAX_FACES} that can be handled")));
+    }
+    for i in 0..solids.len() {
+        solids[i].faces.end = solids.get(i + 1).map_or(count as u32, |next| next.faces.start);
+    }
+    let mut soup = Soup::new(Positions::F64(positions), corners_in_order(count as u32));
+    soup.groups = solids;
+    soup.notes = notes;
+    Ok(soup)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn binary(header: &[u8], declared: u32, triangles: u32) -> Vec<u8> {
+        let mut bytes = vec![0; 80];
+        bytes[..header.len()].copy_from_slice(header);
+        bytes.extend(declared.to_le_bytes());
+        for i in 0..triangles {
+            for value in [0.0, 0.0, 1.0, 0.0, 0.0, i as f32, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+                bytes.extend(value.to_le_bytes());
+            }
+            bytes.extend([0, 0]);
+        }
+        bytes
+    }
+
+    const FACET: &str = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+
+    #[test]
+    fn a_binary_file_may_begin_with_solid() {
+        let soup = read(&binary(b"solid made by a program", 2, 2)).expect("readable");
+        assert_eq!(soup.face_count(), 2);
+        assert_eq!(soup.positions.get(3).z, 1.0);
+        assert!(soup.notes.is_empty());
+    }
+
+    #[test]
+    fn a_wrong_count_is_reported_and_the_triangles_that_are_there_are_used() {
+        for (declared, faces) in [(5, 3), (0, 3), (2, 2), (u32::MAX, 3)] {
+            let soup = read(&binary(b"", declared, 3)).expect("readable");
+            assert_eq!(soup.face_count(), faces, "{declared}");
+            assert!(soup.notes[0].repaired);
+        }
+        let mut cut = binary(b"", 3, 3);
+        cut.truncate(cut.len() - 1);
+        assert_eq!(read(&cut).expect("readable").face_count(), 2);
+    }
+
+    #[test]
+    fn ascii_comes_in_many_hands() {
+        for text in [
+            format!("solid\n{FACET}endsolid\n"),
+            format!("  solid  a name\n{FACET}{FACET}"),
+            format!("SOLID x\n{}ENDSOLID", FACET.to_uppercase()),
+            format!("solid x\n{}endsolid x", FACET.replace('\n', "\r\n")),
+            format!("solid x\n{}endsolid x", FACET.replace('\n', "\r")),
+            format!(
+                "solid a\n{}endsolid a\nsolid b\n{FACET}endsolid b",
+                FACET.replace("normal 0 0 1", "normal nan nan nan")
+            ),
+        ] {
+            let soup = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}"));
+            assert!(soup.face_count() >= 1 && soup.notes.is_empty(), "{text}");
+            assert_eq!(soup.positions.get(1).x, 1.0);
+        }
+    }
+
+    #[test]
+    fn solids_become_groups() {
+        let soup =
+            read(format!("solid one\n{FACET}{FACET}endsolid\nsolid the other\n{FACET}").as_bytes()).expect("readable");
+        assert_eq!(
+            soup.groups.iter().map(|g| (g.name.as_str(), g.faces.clone())).collect::<Vec<_>>(),
+            [("one", 0..2), ("the other", 2..3)]
+        );
+    }
+
+    #[test]
+    fn a_bad_line_is_named() {
+        let error = read(format!("solid x\n{}", FACET.replace("vertex 1 0 0", "vertex 1 O 0")).as_bytes())
+            .expect_err("a letter");
+        assert!(error.to_string().starts_with("line 5: "), "{error}");
+        assert!(
+            read(b"A letter to my aunt, renamed to .stl").expect_err("text").to_string().contains("not an ASCII STL")
+        );
+    }
+
+    #[test]
+    fn a_cut_ascii_file_gives_its_whole_facets() {
+        let text = format!("solid x\n{FACET}{FACET}");
+        let cut = &text[..text.len() - 40];
+        let soup = read(cut.as_bytes()).expect("one whole facet");
+        assert_eq!(soup.face_count(), 1);
+        assert!(soup.notes[0].repaired);
+    }
+}

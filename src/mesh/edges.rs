@@ -1,0 +1,103 @@
+//! The kind of every edge: inner, boundary, feature or non-manifold.
+
+use super::ids::{Face, HalfEdge};
+use super::report::FaceState;
+use super::topology::{Across, Topology};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// What an edge is to a walk over the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EdgeKind {
+    /// Two faces meet smoothly.
+    Inner,
+    /// One face only.
+    Boundary,
+    /// Two faces meet at an angle above the feature angle.
+    Feature,
+    /// Three or more faces meet.
+    NonManifold,
+}
+
+/// The normals that decide whether an edge is sharp, from positions alone.
+pub(super) struct Dihedral<'m> {
+    pub(super) topology: &'m Topology,
+    pub(super) positions: &'m [DVec3],
+    pub(super) states: &'m [FaceState],
+}
+
+/// How many faces without area may lie between an edge and the face that gives it a normal.
+const LONGEST_CHAIN: usize = 16;
+
+impl Dihedral<'_> {
+    /// Twice the face's area as a vector along the normal of its winding.
+    pub(super) fn area_vector(&self, face: Face) -> DVec3 {
+        let [a, b, c] = self.topology.corners(face).map(|v| self.positions[v.index()]);
+        (b - a).cross(c - a)
+    }
+
+    /// The area vector of the face, or for one without area that of the neighbour over its longest
+    /// edge, with the face's winding: a sliver that closes the seam between two flat sides of a
+    /// part belongs to the side it lies along, and must not hide the edge between them.
+    fn normal(&self, face: Face) -> DVec3 {
+        let (mut face, mut sign) = (face, 1.0);
+        for _ in 0..LONGEST_CHAIN {
+            if self.states[face.index()] != FaceState::NoArea {
+                return sign * self.area_vector(face);
+            }
+            let longest = face.half_edges().into_iter().max_by(|&a, &b| self.length(a).total_cmp(&self.length(b)));
+            let Some((h, twin)) = longest.and_then(|h| Some((h, self.topology.twin(h)?))) else { break };
+            if self.topology.is_flipped(h, twin) {
+                sign = -sign;
+            }
+            face = twin.face();
+        }
+        DVec3::ZERO
+    }
+
+    fn length(&self, h: HalfEdge) -> f64 {
+        let [a, b] = [self.topology.origin(h), self.topology.target(h)].map(|v| self.positions[v.index()]);
+        a.distance_squared(b)
+    }
+
+    /// Cosine and sine of the angle between the normals of the two faces, times a common positive
+    /// factor; (0, 0) where one of them has no normal.
+    pub(super) fn cos_sin(&self, h: HalfEdge, twin: HalfEdge) -> (f64, f64) {
+        let a = self.normal(h.face());
+        let mut b = self.normal(twin.face());
+        if self.topology.is_flipped(h, twin) {
+            b = -b;
+        }
+        (a.dot(b), a.cross(b).length())
+    }
+}
+
+/// Classifies every half-edge. `feature_angle` in degrees, 0 to 180; at 180 there are no features.
+pub(super) fn classify(dihedral: &Dihedral<'_>, feature_angle: f64) -> Vec<EdgeKind> {
+    let (sin, cos) = feature_angle.to_radians().sin_cos();
+    let topology = dihedral.topology;
+    let mut kinds: Vec<EdgeKind> = (0..3 * topology.face_count() as u32)
+        .into_par_iter()
+        .map(HalfEdge)
+        .map(|h| match topology.across(h) {
+            Across::Boundary => EdgeKind::Boundary,
+            Across::NonManifold => EdgeKind::NonManifold,
+            // Each edge is judged once, from its lesser side, so that both sides agree.
+            Across::Twin(twin) if twin < h => EdgeKind::Inner,
+            Across::Twin(twin) => {
+                let (c, s) = dihedral.cos_sin(h, twin);
+                // angle > feature angle, both within [0, 180]: the sine of the difference decides.
+                if s * cos - c * sin > 0.0 { EdgeKind::Feature } else { EdgeKind::Inner }
+            }
+        })
+        .collect();
+    for h in (0..3 * topology.face_count() as u32).map(HalfEdge) {
+        if kinds[h.index()] == EdgeKind::Feature
+            && let Some(twin) = topology.twin(h)
+        {
+            kinds[twin.index()] = EdgeKind::Feature;
+        }
+    }
+    kinds
+}

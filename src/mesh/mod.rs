@@ -1,0 +1,339 @@
+//! The indexed mesh: welded vertices, half-edge neighbours and the kind of every edge.
+
+mod edges;
+mod ids;
+mod orientation;
+mod report;
+mod topology;
+mod validate;
+mod weld;
+
+pub use edges::EdgeKind;
+pub use ids::{Face, HalfEdge, Vertex};
+pub use report::{Bounds, EdgeCounts, FaceState, FirstDefects, MeshReport};
+pub use topology::{Across, Topology};
+
+use crate::error::Error;
+use crate::soup::{Group, Scene, Soup};
+use edges::Dihedral;
+use glam::DVec3;
+use rayon::prelude::*;
+use report::first_few;
+
+/// Settings for [`Mesh::from_soup`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshOptions {
+    /// Vertices at most this far apart (in file units) become one; 0, the default, welds equal
+    /// positions only. Merging is transitive: keep it well under the shortest edge.
+    pub weld: f64,
+    /// Two faces whose normals differ by more than this many degrees (0 to 180) meet in a feature
+    /// edge, where disks end. Default 40; 180 for none.
+    pub feature_angle: f64,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        MeshOptions { weld: 0.0, feature_angle: 40.0 }
+    }
+}
+
+impl MeshOptions {
+    /// Checks every range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if !(self.weld >= 0.0 && self.weld.is_finite()) {
+            return Err(Error::Usage(format!("the weld distance must be 0 or more, not {}", self.weld)));
+        }
+        if !(0.0..=180.0).contains(&self.feature_angle) {
+            return Err(Error::Usage(format!(
+                "the feature angle must be 0 to 180 degrees, not {}",
+                self.feature_angle
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// A triangle mesh, ready to be walked over.
+///
+/// Faces keep the numbers they have in the [`Soup`]. Positions are 64-bit and relative to
+/// [`Mesh::origin`], so that neither georeferenced nor 64-bit files lose anything.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    origin: DVec3,
+    positions: Vec<DVec3>,
+    topology: Topology,
+    kinds: Vec<EdgeKind>,
+    states: Vec<FaceState>,
+    flipped: Vec<bool>,
+    duplicates: Vec<(Face, Face)>,
+    bodies: Vec<Group>,
+    scene: Option<Scene>,
+    report: MeshReport,
+}
+
+impl Mesh {
+    /// Welds, connects and classifies.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for options out of range, [`Error::EmptyMesh`] when there are no faces or
+    /// none of them has both an area and finite coordinates.
+    pub fn from_soup(soup: &Soup, options: &MeshOptions) -> Result<Mesh, Error> {
+        options.check()?;
+        if soup.triangles.is_empty() {
+            return Err(Error::EmptyMesh("there are no faces".into()));
+        }
+        let mut welded = weld::weld_exact(soup);
+        if options.weld > 0.0 {
+            welded = weld::weld_distance(welded, &soup.bodies, options.weld);
+        }
+        let weld::Welded { mut positions, faces, merged_by_distance } = welded;
+        let bounds = Bounds::of(positions.iter().copied());
+        let origin = if soup.scene.is_some() { DVec3::ZERO } else { bounds.map_or(DVec3::ZERO, origin_for) };
+        if origin != DVec3::ZERO {
+            positions.par_iter_mut().for_each(|p| *p -= origin);
+        }
+
+        let mut states: Vec<FaceState> = faces.par_iter().map(|&f| state_of(f, &positions)).collect();
+        let left_out: Vec<bool> =
+            states.iter().map(|s| matches!(s, FaceState::RepeatedVertex | FaceState::NotFinite)).collect();
+        let (topology, found) = Topology::new(faces, positions.len(), &left_out);
+        let mut left_out = left_out;
+        for (copy, _) in &found.duplicates {
+            left_out[copy.index()] = true;
+            states[copy.index()] = FaceState::Duplicate;
+        }
+        let orientation = orientation::orient(&topology, &left_out, &positions);
+        let dihedral = Dihedral { topology: &topology, positions: &positions, states: &states };
+        let kinds = edges::classify(&dihedral, options.feature_angle);
+
+        let count = topology.face_count();
+        let state_is = |state: FaceState| first_few(count, |f| states[f.index()] == state);
+        let (degenerate_faces, degenerate) =
+            first_few(count, |f| matches!(states[f.index()], FaceState::NoArea | FaceState::RepeatedVertex));
+        let (non_finite_faces, non_finite) = state_is(FaceState::NotFinite);
+        let (duplicate_faces, duplicate) = state_is(FaceState::Duplicate);
+        let (flipped_faces, flipped) = first_few(count, |f| orientation.flipped[f.index()]);
+        let (_, non_manifold) =
+            first_few(count, |f| f.half_edges().iter().any(|h| kinds[h.index()] == EdgeKind::NonManifold));
+        if degenerate_faces + non_finite_faces == count {
+            return Err(Error::EmptyMesh(if non_finite_faces == 0 {
+                format!(
+                    "none of the {count} faces has an area; if the units are very large, try a smaller weld distance"
+                )
+            } else {
+                format!("none of the {count} faces has an area and finite coordinates")
+            }));
+        }
+        let per_kind = |kind: EdgeKind| {
+            (0..count as u32)
+                .map(Face)
+                .filter(|f| !left_out[f.index()])
+                .flat_map(Face::half_edges)
+                .filter(|h| kinds[h.index()] == kind)
+                .count()
+        };
+        let edges = EdgeCounts {
+            inner: per_kind(EdgeKind::Inner) / 2,
+            boundary: per_kind(EdgeKind::Boundary),
+            feature: per_kind(EdgeKind::Feature) / 2,
+            non_manifold: found.non_manifold_edges,
+        };
+        let report = MeshReport {
+            faces: count,
+            vertices: positions.len(),
+            edges,
+            components: orientation.components,
+            boundary_loops: orientation::boundary_loops(&topology, &left_out),
+            degenerate_faces,
+            duplicate_faces,
+            non_finite_faces,
+            flipped_faces,
+            non_orientable_components: orientation.non_orientable,
+            inside_out_components: orientation.inside_out,
+            vertices_merged_by_distance: merged_by_distance,
+            closed: edges.boundary + edges.non_manifold == 0,
+            first_defects: FirstDefects { degenerate, duplicate, non_finite, flipped, non_manifold },
+            bounds,
+        };
+        Ok(Mesh {
+            origin,
+            positions,
+            topology,
+            kinds,
+            states,
+            flipped: orientation.flipped,
+            duplicates: found.duplicates,
+            bodies: soup.bodies.clone(),
+            scene: soup.scene.clone(),
+            report,
+        })
+    }
+
+    /// Number of faces.
+    pub fn face_count(&self) -> usize {
+        self.topology.face_count()
+    }
+
+    /// The point that positions are relative to, in the input's axes and units: zero unless the
+    /// mesh lies far from zero for its size.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Positions of all vertices, relative to [`Mesh::origin`].
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// A vertex's position, relative to [`Mesh::origin`].
+    #[inline]
+    pub fn position(&self, vertex: Vertex) -> DVec3 {
+        self.positions[vertex.index()]
+    }
+
+    /// Faces and their neighbours.
+    #[inline]
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The three corners of a face in its own winding, relative to [`Mesh::origin`].
+    #[inline]
+    pub fn triangle(&self, face: Face) -> [DVec3; 3] {
+        self.topology.corners(face).map(|v| self.position(v))
+    }
+
+    /// The mean of a face's corners.
+    pub fn barycentre(&self, face: Face) -> DVec3 {
+        let [a, b, c] = self.triangle(face);
+        a + ((b - a) + (c - a)) / 3.0
+    }
+
+    /// The unit normal by the winding of the component's majority; zero for a face without area.
+    pub fn normal(&self, face: Face) -> DVec3 {
+        let [a, b, c] = self.triangle(face);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        if self.is_flipped(face) { -normal } else { normal }
+    }
+
+    /// Half the length of the cross product of two sides, in file units squared.
+    pub fn area(&self, face: Face) -> f64 {
+        let [a, b, c] = self.triangle(face);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// The mean length of a face's three edges.
+    pub fn mean_edge(&self, face: Face) -> f64 {
+        let [a, b, c] = self.triangle(face);
+        (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
+    }
+
+    /// The mean of [`Mesh::mean_edge`] over all faces whose coordinates are finite.
+    pub fn mean_edge_of_mesh(&self) -> f64 {
+        // Summed in chunks of fixed size, so that the sum does not depend on the threads.
+        let chunks: Vec<(f64, usize)> = self
+            .states
+            .par_chunks(1 << 14)
+            .enumerate()
+            .map(|(chunk, states)| {
+                let first = (chunk << 14) as u32;
+                let finite = (first..).zip(states).filter(|(_, s)| **s != FaceState::NotFinite);
+                finite.fold((0.0, 0), |(sum, n), (f, _)| (sum + self.mean_edge(Face(f)), n + 1))
+            })
+            .collect();
+        let (sum, count) = chunks.into_iter().fold((0.0, 0), |(s, n), (t, m)| (s + t, n + m));
+        sum / count as f64
+    }
+
+    /// The kind of a half-edge's edge. For a face left out of the topology: boundary.
+    #[inline]
+    pub fn edge_kind(&self, h: HalfEdge) -> EdgeKind {
+        self.kinds[h.index()]
+    }
+
+    /// The angle between the normals of the two faces at an edge, in radians (0 to pi), or `None`
+    /// where the edge does not have two faces with a normal.
+    pub fn dihedral_angle(&self, h: HalfEdge) -> Option<f64> {
+        let twin = self.topology.twin(h)?;
+        let (cos, sin) = self.dihedral().cos_sin(h, twin);
+        (cos != 0.0 || sin != 0.0).then(|| sin.atan2(cos))
+    }
+
+    fn dihedral(&self) -> Dihedral<'_> {
+        Dihedral { topology: &self.topology, positions: &self.positions, states: &self.states }
+    }
+
+    /// True when one face at the edge looks towards the viewer and the other away from it.
+    ///
+    /// `view` points from the viewer to the mesh, in any length. An edge with one face, or with a
+    /// face seen exactly edge-on and one looking away, is a silhouette by the sign rule that zero
+    /// counts as towards.
+    pub fn is_silhouette(&self, h: HalfEdge, view: DVec3) -> bool {
+        let towards = |f: Face| self.normal(f).dot(view) <= 0.0;
+        self.topology.twin(h).is_some_and(|twin| towards(h.face()) != towards(twin.face()))
+    }
+
+    /// What is wrong with a face, if anything.
+    #[inline]
+    pub fn face_state(&self, face: Face) -> FaceState {
+        self.states[face.index()]
+    }
+
+    /// True when the face winds against the majority of its component.
+    #[inline]
+    pub fn is_flipped(&self, face: Face) -> bool {
+        self.flipped[face.index()]
+    }
+
+    /// The earlier face with the same three vertices.
+    pub fn duplicate_of(&self, face: Face) -> Option<Face> {
+        let at = self.duplicates.binary_search_by_key(&face, |&(copy, _)| copy).ok()?;
+        Some(self.duplicates[at].1)
+    }
+
+    /// Runs of faces that share a coordinate space, in face order (see [`Soup::bodies`]).
+    pub fn bodies(&self) -> &[Group] {
+        &self.bodies
+    }
+
+    /// The placement of the bodies, for inputs that have one.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref()
+    }
+
+    /// What the construction found.
+    pub fn report(&self) -> &MeshReport {
+        &self.report
+    }
+}
+
+/// Zero, unless the mesh lies so far from zero that 32-bit coordinates would lose more than about
+/// a millionth of its size; then the middle of its box, on a grid so coarse that subtracting it
+/// from a 64-bit coordinate is exact.
+fn origin_for(bounds: Bounds) -> DVec3 {
+    const FAR: f64 = 16.0;
+    let size = bounds.size().max_element();
+    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if reach <= FAR * size || size == 0.0 {
+        return DVec3::ZERO;
+    }
+    let grid = size.log2().floor().exp2();
+    let origin = (bounds.center() / grid).round() * grid;
+    if origin.is_finite() { origin } else { DVec3::ZERO }
+}
+
+fn state_of(face: [u32; 3], positions: &[DVec3]) -> FaceState {
+    let [a, b, c] = face.map(|v| positions[v as usize]);
+    if !(a.is_finite() && b.is_finite() && c.is_finite()) {
+        return FaceState::NotFinite;
+    }
+    if face[0] == face[1] || face[1] == face[2] || face[2] == face[0] {
+        return FaceState::RepeatedVertex;
+    }
+    // The area vector's own rounding error, from the corners' and from the products': below it the
+    // sign of the area says nothing. No tolerance beyond that.
+    let (u, v) = (b - a, c - a);
+    let size = a.abs().max(b.abs()).max(c.abs()).max_element();
+    let rounding = 4.0 * f64::EPSILON * (u.length() * v.length() + size * u.length().max(v.length()));
+    if u.cross(v).length() > rounding { FaceState::Sound } else { FaceState::NoArea }
+}

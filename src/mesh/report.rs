@@ -1,0 +1,162 @@
+//! What the construction of a mesh found: counts, extent and defects.
+
+use super::ids::Face;
+use glam::DVec3;
+use serde::Serialize;
+
+/// Number of edges of each kind. An edge counts once, however many faces it has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct EdgeCounts {
+    /// Two faces at an angle up to the feature angle.
+    pub inner: usize,
+    /// One face.
+    pub boundary: usize,
+    /// Two faces at an angle above the feature angle.
+    pub feature: usize,
+    /// Three or more faces.
+    pub non_manifold: usize,
+}
+
+/// An axis-parallel box, in the input's own axes and units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Least coordinates.
+    pub min: DVec3,
+    /// Greatest coordinates.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The box around the points that are finite; `None` if there are none.
+    pub fn of(points: impl IntoIterator<Item = DVec3>) -> Option<Self> {
+        points.into_iter().filter(|p| p.is_finite()).fold(None, |bounds: Option<Bounds>, p| {
+            let (min, max) = bounds.map_or((p, p), |b| (b.min.min(p), b.max.max(p)));
+            Some(Bounds { min, max })
+        })
+    }
+
+    /// Edge lengths of the box.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The middle of the box.
+    pub fn center(&self) -> DVec3 {
+        self.min + 0.5 * self.size()
+    }
+}
+
+/// What is wrong with a face, if anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceState {
+    /// Has three vertices and an area.
+    Sound,
+    /// Three different vertices on a line: walks cross it, but it has no curvature of its own.
+    NoArea,
+    /// Two corners are one vertex: an edge rather than a face, left out of the topology.
+    RepeatedVertex,
+    /// A coordinate is NaN or infinite: left out of the topology.
+    NotFinite,
+    /// The same three vertices as an earlier face: left out of the topology, given its values.
+    Duplicate,
+}
+
+/// Facts about a mesh and its defects. Serialises to the object that `inspect` and `--stats` print.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshReport {
+    /// Triangles, all of them, sound or not.
+    pub faces: usize,
+    /// Welded vertices that a face uses.
+    pub vertices: usize,
+    /// Edges of each kind.
+    pub edges: EdgeCounts,
+    /// Components: faces connected over edges with two faces.
+    pub components: usize,
+    /// Loops of boundary edges.
+    pub boundary_loops: usize,
+    /// Faces without area, faces that use a vertex twice included.
+    pub degenerate_faces: usize,
+    /// Second and later faces over the same three vertices.
+    pub duplicate_faces: usize,
+    /// Faces with a NaN or infinite coordinate.
+    pub non_finite_faces: usize,
+    /// Faces that wind against the majority of their component.
+    pub flipped_faces: usize,
+    /// Components without a consistent winding (Moebius strips).
+    pub non_orientable_components: usize,
+    /// Closed components whose normals point inwards.
+    pub inside_out_components: usize,
+    /// Vertices that the weld distance merged, beyond those at equal positions.
+    pub vertices_merged_by_distance: usize,
+    /// True when every face has a neighbour on every side.
+    pub closed: bool,
+    /// The first few faces of each kind of defect.
+    pub first_defects: FirstDefects,
+    /// Extent of all finite vertices.
+    pub bounds: Option<Bounds>,
+}
+
+/// The first few faces that each kind of defect concerns.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FirstDefects {
+    /// Faces without area.
+    pub degenerate: Vec<u32>,
+    /// Faces over the vertices of an earlier face.
+    pub duplicate: Vec<u32>,
+    /// Faces with a NaN or infinite coordinate.
+    pub non_finite: Vec<u32>,
+    /// Faces that wind against their component.
+    pub flipped: Vec<u32>,
+    /// Faces at an edge with three or more faces.
+    pub non_manifold: Vec<u32>,
+}
+
+const FEW: usize = 5;
+
+/// The first few faces for which `wrong` holds, and how many there are.
+pub(super) fn first_few(count: usize, wrong: impl Fn(Face) -> bool) -> (usize, Vec<u32>) {
+    let mut total = 0;
+    let mut first = Vec::new();
+    for f in (0..count as u32).filter(|&f| wrong(Face(f))) {
+        total += 1;
+        if first.len() < FEW {
+            first.push(f);
+        }
+    }
+    (total, first)
+}
+
+impl MeshReport {
+    /// True when something is wrong that makes a run end in exit code 3: degenerate, duplicate,
+    /// non-finite or flipped faces, or edges with three or more faces.
+    pub fn has_defects(&self) -> bool {
+        self.degenerate_faces
+            + self.duplicate_faces
+            + self.non_finite_faces
+            + self.flipped_faces
+            + self.edges.non_manifold
+            > 0
+    }
+
+    /// One sentence for each defect, with the first few places.
+    pub fn defects(&self) -> Vec<String> {
+        let places = |faces: &[u32], total: usize| {
+            let list: Vec<String> = faces.iter().map(u32::to_string).collect();
+            let more = if total > faces.len() { ", ..." } else { "" };
+            format!("{} {}{more}", if total == 1 { "face" } else { "faces" }, list.join(", "))
+        };
+        let first = &self.first_defects;
+        let mut defects = Vec::new();
+        let mut tell = |count: usize, what: &str, faces: &[u32]| {
+            if count > 0 {
+                defects.push(format!("{count} {what} ({})", places(faces, count)));
+            }
+        };
+        tell(self.degenerate_faces, "without area, not estimated", &first.degenerate);
+        tell(self.non_finite_faces, "with NaN or infinite coordinates, not estimated", &first.non_finite);
+        tell(self.duplicate_faces, "over the vertices of an earlier face, given its values", &first.duplicate);
+        tell(self.flipped_faces, "wound against their component, given its sign", &first.flipped);
+        tell(self.edges.non_manifold, "edges with three or more faces, where disks end", &first.non_manifold);
+        defects
+    }
+}

@@ -1,0 +1,242 @@
+//! Which face lies across which edge. Knows vertex numbers, never positions.
+
+use super::ids::{Face, HalfEdge, Vertex};
+
+/// What lies across a half-edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// The half-edge of the one other face on this edge.
+    Twin(HalfEdge),
+    /// Nothing: the edge has one face, or its face takes no part in the topology.
+    Boundary,
+    /// Several faces: the edge has three or more.
+    NonManifold,
+}
+
+const BOUNDARY: u32 = u32::MAX;
+const NON_MANIFOLD: u32 = u32::MAX - 1;
+
+/// Faces as vertex triples and the half-edge across each half-edge.
+///
+/// Two faces that meet in an edge are neighbours whatever their windings: where both run along the
+/// edge in the same direction, one of them is flipped (see [`Topology::is_flipped`]). Faces can be
+/// left out; they keep their number, have no neighbours and are no one's neighbour.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    faces: Vec<[u32; 3]>,
+    across: Vec<u32>,
+}
+
+/// What [`Topology::new`] found besides.
+pub(super) struct Found {
+    /// Pairs (face, earlier face) with the same three vertices, ordered by face.
+    pub(super) duplicates: Vec<(Face, Face)>,
+    /// Number of edges with three or more faces.
+    pub(super) non_manifold_edges: usize,
+}
+
+impl Topology {
+    /// Connects faces over shared edges, leaving out those for which `left_out` is true and the
+    /// second and later copies of a face. Linear in the number of faces.
+    pub(super) fn new(faces: Vec<[u32; 3]>, vertex_count: usize, left_out: &[bool]) -> (Self, Found) {
+        let mut topology = Topology { across: Vec::new(), faces };
+        let found = topology.connect(vertex_count, |f| left_out[f]);
+        if found.duplicates.is_empty() {
+            return (topology, found);
+        }
+        let mut out = left_out.to_vec();
+        for (copy, _) in &found.duplicates {
+            out[copy.index()] = true;
+        }
+        let again = topology.connect(vertex_count, |f| out[f]);
+        (topology, Found { duplicates: found.duplicates, non_manifold_edges: again.non_manifold_edges })
+    }
+
+    fn connect(&mut self, vertex_count: usize, left_out: impl Fn(usize) -> bool) -> Found {
+        let mut buckets = EdgeBuckets::new(&self.faces, vertex_count, left_out);
+        self.across = vec![BOUNDARY; 3 * self.faces.len()];
+        let mut found = Found { duplicates: Vec::new(), non_manifold_edges: 0 };
+        for lesser in 0..vertex_count {
+            for sides in buckets.edges_of(lesser) {
+                match *sides {
+                    [_] => {}
+                    [(_, a), (_, b)] => {
+                        self.across[a as usize] = b;
+                        self.across[b as usize] = a;
+                        self.note_duplicates(&mut [a, b], &mut found.duplicates);
+                    }
+                    _ => {
+                        found.non_manifold_edges += 1;
+                        let mut sides: Vec<u32> = sides.iter().map(|&(_, h)| h).collect();
+                        for &h in &sides {
+                            self.across[h as usize] = NON_MANIFOLD;
+                        }
+                        self.note_duplicates(&mut sides, &mut found.duplicates);
+                    }
+                }
+            }
+        }
+        // Each pair turns up once per edge; a copy belongs to the earliest face like it.
+        found.duplicates.sort_unstable();
+        found.duplicates.dedup_by_key(|(copy, _)| *copy);
+        found
+    }
+
+    /// Faces on one edge with the same opposite vertex are copies of the first of them.
+    fn note_duplicates(&self, sides: &mut [u32], duplicates: &mut Vec<(Face, Face)>) {
+        let apex = |&h: &u32| self.apex(HalfEdge(h)).0;
+        if let [a, b] = sides {
+            if apex(a) != apex(b) {
+                return;
+            }
+        }
+        sides.sort_unstable_by_key(|h| (apex(h), *h));
+        for alike in sides.chunk_by(|a, b| apex(a) == apex(b)) {
+            let first = HalfEdge(alike[0]).face();
+            duplicates.extend(alike[1..].iter().map(|&h| (HalfEdge(h).face(), first)));
+        }
+    }
+
+    /// Number of faces.
+    #[inline]
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The corners of a face, in its winding.
+    #[inline]
+    pub fn corners(&self, face: Face) -> [Vertex; 3] {
+        self.faces[face.index()].map(Vertex)
+    }
+
+    /// Vertex numbers of all faces.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The vertex a half-edge starts from.
+    #[inline]
+    pub fn origin(&self, h: HalfEdge) -> Vertex {
+        Vertex(self.faces.as_flattened()[h.index()])
+    }
+
+    /// The vertex a half-edge runs to.
+    #[inline]
+    pub fn target(&self, h: HalfEdge) -> Vertex {
+        self.origin(h.next())
+    }
+
+    /// The corner of the half-edge's face that is not on the half-edge.
+    #[inline]
+    pub fn apex(&self, h: HalfEdge) -> Vertex {
+        self.origin(h.prev())
+    }
+
+    /// What lies across a half-edge.
+    #[inline]
+    pub fn across(&self, h: HalfEdge) -> Across {
+        match self.across[h.index()] {
+            BOUNDARY => Across::Boundary,
+            NON_MANIFOLD => Across::NonManifold,
+            twin => Across::Twin(HalfEdge(twin)),
+        }
+    }
+
+    /// The half-edge of the one other face on this edge.
+    #[inline]
+    pub fn twin(&self, h: HalfEdge) -> Option<HalfEdge> {
+        match self.across(h) {
+            Across::Twin(twin) => Some(twin),
+            _ => None,
+        }
+    }
+
+    /// True when the two faces of an edge wind against each other.
+    #[inline]
+    pub fn is_flipped(&self, h: HalfEdge, twin: HalfEdge) -> bool {
+        self.origin(h) == self.origin(twin)
+    }
+}
+
+/// Half-edges sorted into buckets by their lesser vertex (a counting sort).
+struct EdgeBuckets {
+    ends: Vec<u32>,
+    /// (greater vertex, half-edge)
+    entries: Vec<(u32, u32)>,
+}
+
+impl EdgeBuckets {
+    fn new(faces: &[[u32; 3]], vertex_count: usize, left_out: impl Fn(usize) -> bool) -> Self {
+        let sides = |f: usize| {
+            let [a, b, c] = faces[f];
+            [(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q)))
+        };
+        let present = || (0..faces.len()).filter(|&f| !left_out(f));
+        let mut ends = vec![0_u32; vertex_count + 1];
+        for f in present() {
+            for (lesser, _) in sides(f) {
+                ends[lesser as usize + 1] += 1;
+            }
+        }
+        for v in 1..=vertex_count {
+            ends[v] += ends[v - 1];
+        }
+        let total = ends[vertex_count] as usize;
+        let mut entries = vec![(0, 0); total];
+        // Filling moves each bucket's start to its end, which is all that reading needs.
+        for f in present() {
+            for (i, (lesser, greater)) in sides(f).into_iter().enumerate() {
+                let place = &mut ends[lesser as usize];
+                entries[*place as usize] = (greater, 3 * f as u32 + i as u32);
+                *place += 1;
+            }
+        }
+        EdgeBuckets { ends, entries }
+    }
+
+    /// The edges whose lesser vertex is `lesser`, each as the list of its sides in face order.
+    fn edges_of(&mut self, lesser: usize) -> impl Iterator<Item = &[(u32, u32)]> {
+        let start = if lesser == 0 { 0 } else { self.ends[lesser - 1] as usize };
+        let bucket = &mut self.entries[start..self.ends[lesser] as usize];
+        bucket.sort_unstable();
+        bucket.chunk_by(|a, b| a.0 == b.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn connect(faces: &[[u32; 3]]) -> (Topology, Found) {
+        let vertices = faces.iter().flatten().max().map_or(0, |v| v + 1);
+        Topology::new(faces.to_vec(), vertices as usize, &vec![false; faces.len()])
+    }
+
+    #[test]
+    fn neighbours_are_found_across_either_winding() {
+        for (second, flipped) in [([2, 1, 3], false), ([1, 2, 3], true)] {
+            let (t, _) = connect(&[[0, 1, 2], second]);
+            let twin = t.twin(HalfEdge(1)).expect("the faces share an edge");
+            assert_eq!(twin.face(), Face(1));
+            assert_eq!(t.is_flipped(HalfEdge(1), twin), flipped);
+            assert_eq!(t.across(HalfEdge(0)), Across::Boundary);
+        }
+    }
+
+    #[test]
+    fn three_faces_on_an_edge_have_no_twins_there() {
+        let (t, found) = connect(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]]);
+        assert_eq!(found.non_manifold_edges, 1);
+        assert_eq!(t.across(HalfEdge(0)), Across::NonManifold);
+        assert!(found.duplicates.is_empty());
+    }
+
+    #[test]
+    fn copies_of_a_face_are_found_and_left_out() {
+        let (t, found) = connect(&[[0, 1, 2], [2, 1, 3], [1, 0, 2], [0, 1, 2]]);
+        assert_eq!(found.duplicates, [(Face(2), Face(0)), (Face(3), Face(0))]);
+        assert_eq!(found.non_manifold_edges, 0);
+        assert_eq!(t.twin(HalfEdge(1)), Some(HalfEdge(3)));
+        assert_eq!(t.twin(HalfEdge(9)), None);
+    }
+}

@@ -1,0 +1,32 @@
+//! How a long run tells how far it is.
+
+/// The long stages of a run, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Reading the input, counted in bytes.
+    Read,
+    /// Estimating curvature, counted in faces.
+    Estimate,
+    /// Writing the output, counted in bytes.
+    Write,
+}
+
+/// Receives progress. Calls may come from any thread, one stage at a time.
+pub trait Progress: Sync {
+    /// A stage begins; `total` is its amount of work, 0 where it is not known.
+    fn begin(&self, stage: Stage, total: u64);
+    /// So much more of the stage's work is done.
+    fn advance(&self, amount: u64);
+    /// The stage is over.
+    fn end(&self);
+}
+
+/// Ignores all progress.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoProgress;
+
+impl Progress for NoProgress {
+    fn begin(&self, _: Stage, _: u64) {}
+    fn advance(&self, _: u64) {}
+    fn end(&self) {}
+}

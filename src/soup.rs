@@ -1,0 +1,165 @@
+//! Triangles as a file gives them: nothing welded, nothing repaired, nothing dropped.
+
+use glam::DVec3;
+use std::ops::Range;
+
+/// Vertex positions in the width the file stores them.
+///
+/// A file of 32-bit floats is kept as such: it takes half the memory and later stages know that
+/// the coordinates carry a quantisation of 6e-8 of their size.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Positions {
+    /// From a format whose coordinates are 32-bit floats.
+    F32(Vec<[f32; 3]>),
+    /// From a text format or one with 64-bit floats.
+    F64(Vec<[f64; 3]>),
+}
+
+impl Positions {
+    /// Number of positions.
+    pub fn len(&self) -> usize {
+        match self {
+            Positions::F32(p) => p.len(),
+            Positions::F64(p) => p.len(),
+        }
+    }
+
+    /// True when there are no positions.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The position at an index, exactly as stored. Panics when `index >= len()`.
+    #[inline]
+    pub fn get(&self, index: usize) -> DVec3 {
+        match self {
+            Positions::F32(p) => {
+                let [x, y, z] = p[index];
+                DVec3::new(x.into(), y.into(), z.into())
+            }
+            Positions::F64(p) => DVec3::from_array(p[index]),
+        }
+    }
+}
+
+/// A run of faces that the file gives a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// The file's name for it; empty where it has none.
+    pub name: String,
+    /// Its faces.
+    pub faces: Range<u32>,
+}
+
+/// A node's own transform, kept in the form the file has it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Transform {
+    /// A column-major 4 x 4 matrix.
+    Matrix([f32; 16]),
+    /// Translation, rotation (quaternion x, y, z, w) and scale; `None` where the file has none.
+    Parts {
+        /// Translation.
+        translation: Option<[f32; 3]>,
+        /// Unit quaternion x, y, z, w.
+        rotation: Option<[f32; 4]>,
+        /// Scale per axis.
+        scale: Option<[f32; 3]>,
+    },
+}
+
+/// A node of a glTF scene, as far as geometry is concerned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// The file's name for it; empty where it has none.
+    pub name: String,
+    /// Transform to the parent's space.
+    pub transform: Transform,
+    /// Index into [`Soup::bodies`].
+    pub body: Option<usize>,
+    /// Indices into [`Scene::nodes`].
+    pub children: Vec<usize>,
+}
+
+/// Where a file places its bodies. Only glTF has one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// All nodes of the file.
+    pub nodes: Vec<Node>,
+    /// The nodes at the top of the default scene.
+    pub roots: Vec<usize>,
+}
+
+/// What a reader had to repair or skip, in a sentence, or only wants to mention.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Note {
+    /// The sentence, without a full stop.
+    pub message: String,
+    /// True when something of the file was repaired or left out (exit code 3).
+    pub repaired: bool,
+}
+
+impl Note {
+    /// A note that something was repaired or left out.
+    pub fn repaired(message: impl Into<String>) -> Self {
+        Note { message: message.into(), repaired: true }
+    }
+
+    /// A note for the reader's information.
+    pub fn info(message: impl Into<String>) -> Self {
+        Note { message: message.into(), repaired: false }
+    }
+}
+
+/// Triangles as the file gives them, polygons already triangulated.
+///
+/// Face numbers here are the face numbers of every output: the triangle at index `f` is face `f`.
+/// Every index in `triangles` is below `positions.len()`; coordinates may be anything, NaN
+/// included. Bodies cover all faces, in order, without gaps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Soup {
+    /// Vertex positions, in the file's own axes and units.
+    pub positions: Positions,
+    /// Three indices into `positions` per face, in the file's winding.
+    pub triangles: Vec<[u32; 3]>,
+    /// Faces that share a coordinate space, in face order: one body for a whole STL, OBJ or PLY
+    /// file, one for each glTF mesh. Vertices are welded inside a body, never between bodies.
+    pub bodies: Vec<Group>,
+    /// The file's own division, in face order: OBJ groups, STL solids, glTF primitives. May be empty.
+    pub groups: Vec<Group>,
+    /// The placement of the bodies, for formats that have one.
+    pub scene: Option<Scene>,
+    /// What the reader repaired, skipped or wants to mention.
+    pub notes: Vec<Note>,
+}
+
+impl Soup {
+    /// A soup of one body, without groups or notes.
+    ///
+    /// Panics when an index is out of range or there are 2^32 / 3 faces or more.
+    pub fn new(positions: Positions, triangles: Vec<[u32; 3]>) -> Self {
+        let count = positions.len() as u64;
+        assert!(triangles.iter().flatten().all(|&i| u64::from(i) < count), "vertex index out of range");
+        let faces = face_count(triangles.len());
+        Soup {
+            positions,
+            triangles,
+            bodies: vec![Group { name: String::new(), faces: 0..faces }],
+            groups: Vec::new(),
+            scene: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Number of faces.
+    pub fn face_count(&self) -> usize {
+        self.triangles.len()
+    }
+}
+
+/// The largest number of faces a mesh may have: half-edges are numbered in 32 bits.
+pub const MAX_FACES: usize = (u32::MAX / 3) as usize - 1;
+
+fn face_count(len: usize) -> u32 {
+    assert!(len <= MAX_FACES, "a mesh may have at most {MAX_FACES} faces");
+    len as u32
+}

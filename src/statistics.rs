@@ -1,0 +1,136 @@
+//! What a run tells about itself: seconds per stage, defects, and the spread of the values.
+
+use crate::curvature::{FaceClass, FaceCurvature};
+use crate::io::InputFormat;
+use crate::mesh::{Face, MeshReport};
+use crate::quantity::Quantity;
+use crate::soup::Note;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Wall-clock seconds of each stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Seconds {
+    /// From the start to the soup.
+    pub read: f64,
+    /// Welding, adjacency and edge kinds.
+    pub weld: f64,
+    /// All that follows until the values are ready.
+    pub estimate: f64,
+    /// From colours to the rename.
+    pub write: f64,
+    /// Everything.
+    pub total: f64,
+}
+
+impl Seconds {
+    /// From the times since the start at which each stage ended.
+    pub(crate) fn from_marks(read: Duration, weld: Duration, estimate: Duration, write: Duration) -> Self {
+        Seconds {
+            read: read.as_secs_f64(),
+            weld: (weld - read).as_secs_f64(),
+            estimate: (estimate - weld).as_secs_f64(),
+            write: (write - estimate).as_secs_f64(),
+            total: write.as_secs_f64(),
+        }
+    }
+}
+
+/// Percentiles of one quantity over the estimated faces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Percentiles {
+    /// Least value.
+    pub min: f32,
+    /// 5th percentile.
+    pub p5: f32,
+    /// 25th percentile.
+    pub p25: f32,
+    /// Median.
+    pub p50: f32,
+    /// 75th percentile.
+    pub p75: f32,
+    /// 95th percentile.
+    pub p95: f32,
+    /// Greatest value.
+    pub max: f32,
+}
+
+/// The spread of the values over the faces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CurvatureSummary {
+    /// Number of faces with an estimate.
+    pub estimated: usize,
+    /// Number of faces in each class.
+    pub classes: BTreeMap<FaceClass, usize>,
+    /// Percentiles of each quantity, by column name; quantities without any value are left out.
+    pub percentiles: BTreeMap<&'static str, Percentiles>,
+}
+
+impl CurvatureSummary {
+    /// Summarises one value per face.
+    pub fn of(values: &[FaceCurvature]) -> Self {
+        let mut classes: BTreeMap<FaceClass, usize> = FaceClass::ALL.into_iter().map(|class| (class, 0)).collect();
+        for value in values {
+            *classes.entry(value.class).or_default() += 1;
+        }
+        use Quantity::{Coverage, Curvedness, Gauss, GaussPerimeter, KMax, KMin, Mean, Radius, ShapeIndex};
+        let percentiles = [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage]
+            .into_iter()
+            .filter_map(|quantity| Some((quantity.token(), percentiles(quantity, values)?)))
+            .collect();
+        CurvatureSummary { estimated: values.len() - classes[&FaceClass::NotEstimated], classes, percentiles }
+    }
+}
+
+fn percentiles(quantity: Quantity, values: &[FaceCurvature]) -> Option<Percentiles> {
+    let mut sorted: Vec<f32> = values
+        .par_iter()
+        .filter(|v| v.is_estimated())
+        .map(|v| quantity.value(Face(0), v, 0))
+        .filter(|v| v.is_finite())
+        .collect();
+    sorted.par_sort_unstable_by(f32::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    let at = |share: f64| sorted[(last as f64 * share).round() as usize];
+    Some(Percentiles {
+        min: at(0.0),
+        p5: at(0.05),
+        p25: at(0.25),
+        p50: at(0.5),
+        p75: at(0.75),
+        p95: at(0.95),
+        max: at(1.0),
+    })
+}
+
+/// Everything about one run; serialises to the object that `--stats` writes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The input file.
+    pub input: String,
+    /// Its format.
+    pub format: InputFormat,
+    /// The mesh and its defects.
+    #[serde(flatten)]
+    pub report: MeshReport,
+    /// What was repaired, skipped or is worth knowing.
+    pub notes: Vec<Note>,
+    /// All settings.
+    pub settings: Value,
+    /// Colour scale, if any.
+    pub legend: Option<Value>,
+    /// Wall-clock seconds.
+    pub seconds: Seconds,
+    /// The values.
+    pub curvature: CurvatureSummary,
+}
+
+impl Summary {
+    /// True when something was repaired or skipped, or the mesh has defects (exit code 3).
+    pub fn has_defects(&self) -> bool {
+        self.report.has_defects() || self.notes.iter().any(|note| note.repaired)
+    }
+}

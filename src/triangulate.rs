@@ -1,0 +1,169 @@
+//! Polygons to triangles, without losing a corner or turning a triangle over.
+//!
+//! A fan where every corner is strictly convex, ear clipping otherwise. Ears must have an area, so
+//! that a corner in the middle of a straight side ends up in real triangles: dropping it would
+//! leave a crack towards the neighbour that uses it.
+
+use glam::{DVec2, DVec3};
+
+/// Above this many corners a concave polygon becomes a fan: ear clipping takes quadratic time.
+const MOST_EARS: usize = 10_000;
+
+/// How [`triangulate`] went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Triangles that keep the polygon's winding and do not overlap.
+    Exact,
+    /// The outline crosses itself, has no area or is too long: the triangles may overlap.
+    Rough,
+}
+
+/// Appends `corners.len() - 2` triangles over the corners of a polygon.
+pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, out: &mut Vec<[u32; 3]>) -> Outcome {
+    if let [a, b, c] = *corners {
+        out.push([a, b, c]);
+        return Outcome::Exact;
+    }
+    let flat = flatten(corners, position);
+    let n = corners.len();
+    let convex = (0..n).all(|i| turn(flat[(i + n - 1) % n], flat[i], flat[(i + 1) % n]) > 0.0);
+    if convex || n > MOST_EARS {
+        out.extend((1..n.max(2) - 1).map(|i| [corners[0], corners[i], corners[i + 1]]));
+        return if convex { Outcome::Exact } else { Outcome::Rough };
+    }
+    clip_ears(corners, &flat, out)
+}
+
+/// The outline seen against its normal (Newell's), so that it runs counter-clockwise.
+fn flatten(corners: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<DVec2> {
+    let points: Vec<DVec3> = corners.iter().map(|&c| position(c)).collect();
+    let base = points[0];
+    let normal: DVec3 =
+        (0..points.len()).map(|i| (points[i] - base).cross(points[(i + 1) % points.len()] - base)).sum();
+    // Dropping the coordinate along which the normal is longest keeps the others as they are.
+    let abs = normal.abs();
+    let (x, y, sign) = if abs.x >= abs.y && abs.x >= abs.z {
+        (1, 2, normal.x)
+    } else if abs.y >= abs.z {
+        (2, 0, normal.y)
+    } else {
+        (0, 1, normal.z)
+    };
+    points
+        .iter()
+        .map(|p| {
+            let p = *p - base;
+            if sign < 0.0 { DVec2::new(p[y], p[x]) } else { DVec2::new(p[x], p[y]) }
+        })
+        .collect()
+}
+
+/// Twice the signed area of a triangle; positive for a turn to the left.
+fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b - a).perp_dot(c - b)
+}
+
+fn clip_ears(corners: &[u32], flat: &[DVec2], out: &mut Vec<[u32; 3]>) -> Outcome {
+    let mut rest: Vec<usize> = (0..corners.len()).collect();
+    let mut outcome = Outcome::Exact;
+    let mut at = 0;
+    while rest.len() > 3 {
+        let n = rest.len();
+        let around = |i: usize| [rest[(i + n - 1) % n], rest[i % n], rest[(i + 1) % n]];
+        // Going on from the last ear spreads the triangles instead of fanning around one corner.
+        let ear = (at..at + n).find(|&i| is_ear(&rest, flat, around(i))).unwrap_or_else(|| {
+            outcome = Outcome::Rough;
+            at
+        });
+        out.push(around(ear).map(|i| corners[i]));
+        rest.remove(ear % n);
+        at = ear % n % (n - 1);
+    }
+    let last = [rest[0], rest[1], rest[2]];
+    if turn(flat[last[0]], flat[last[1]], flat[last[2]]) <= 0.0 {
+        outcome = Outcome::Rough;
+    }
+    out.push(last.map(|i| corners[i]));
+    outcome
+}
+
+/// True when the corner's triangle has an area and no other corner lies in it or on its rim.
+fn is_ear(rest: &[usize], flat: &[DVec2], ear: [usize; 3]) -> bool {
+    let [a, b, c] = ear.map(|i| flat[i]);
+    turn(a, b, c) > 0.0
+        && rest.iter().filter(|i| !ear.contains(i)).all(|&i| {
+            let p = flat[i];
+            // The same point twice is a bridge to a hole, not an obstacle.
+            p == a || p == b || p == c || turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(outline: &[[f64; 2]]) -> (Vec<[u32; 3]>, Outcome) {
+        let corners: Vec<u32> = (0..outline.len() as u32).collect();
+        let mut out = Vec::new();
+        // Tilted, so that no coordinate can simply be dropped.
+        let lift = |i: u32| {
+            let [x, y] = outline[i as usize];
+            DVec3::new(x, y, 0.3 * x - 0.2 * y)
+        };
+        let outcome = triangulate(&corners, lift, &mut out);
+        (out, outcome)
+    }
+
+    fn areas(outline: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
+        let point = |i: u32| DVec2::from_array(outline[i as usize]);
+        triangles.iter().map(|t| 0.5 * turn(point(t[0]), point(t[1]), point(t[2]))).collect()
+    }
+
+    #[test]
+    fn a_concave_pentagon_keeps_its_area_and_winding() {
+        let arrow = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5], [0.0, 2.0]];
+        let (triangles, outcome) = run(&arrow);
+        let areas = areas(&arrow, &triangles);
+        assert_eq!((triangles.len(), outcome), (3, Outcome::Exact));
+        assert!(areas.iter().all(|&a| a > 0.0), "{areas:?}");
+        assert!((areas.iter().sum::<f64>() - 2.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_corner_on_a_straight_side_is_kept_in_real_triangles() {
+        let outline = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        for shift in 0..5 {
+            let mut turned = outline;
+            turned.rotate_left(shift);
+            let (triangles, outcome) = run(&turned);
+            assert_eq!((triangles.len(), outcome), (3, Outcome::Exact));
+            assert!(areas(&turned, &triangles).iter().all(|&a| a > 0.0));
+        }
+    }
+
+    #[test]
+    fn a_hole_reached_over_a_bridge_stays_open() {
+        let ring = [
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [0.0, 4.0],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [3.0, 3.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+        ];
+        let (triangles, _) = run(&ring);
+        let area: f64 = areas(&ring, &triangles).iter().sum();
+        assert_eq!(triangles.len(), 8);
+        assert!((area - 12.0).abs() < 1e-12, "{area}");
+    }
+
+    #[test]
+    fn a_bow_tie_is_called_rough_and_ends() {
+        let (triangles, outcome) = run(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]);
+        assert_eq!((triangles.len(), outcome), (2, Outcome::Rough));
+    }
+}
