@@ -83,7 +83,9 @@ mod tests {
     #[test]
     fn uneven_weights_do_not_bend_the_answer() {
         let curvature = |t: f64| 2.0 * (t - 0.3).cos().powi(2) - 5.0 * (t - 0.3).sin().powi(2);
-        let p = fit((0..12).map(|i| (i as f64 * PI / 12.0, curvature(i as f64 * PI / 12.0), 0.1 + (i % 5) as f64)));
+        let p =
+            fit((0..12)
+                .map(|i| (f64::from(i) * PI / 12.0, curvature(f64::from(i) * PI / 12.0), 0.1 + f64::from(i % 5))));
         assert!((p.k_max - 2.0).abs() < 1e-6 && (p.k_min + 5.0).abs() < 1e-6, "{p:?}");
         assert!((p.angle - 0.3).abs() < 1e-6, "{p:?}");
     }

@@ -60,9 +60,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
             Some(keyword @ (b"o" | b"g")) => {
                 let name = text::name(&content.trim_ascii()[keyword.len()..]);
                 if keyword == b"o" {
-                    object = name
+                    object = name;
                 } else {
-                    group = name
+                    group = name;
                 }
                 let full = if object.is_empty() || group.is_empty() {
                     format!("{object}{group}")
@@ -204,8 +204,8 @@ fn build(
 
 /// Ends the group before and begins the next; a group without faces leaves no trace.
 fn begin_group(spans: &mut Vec<Group>, name: &str, at: u32) {
+    spans.pop_if(|last| last.faces.start == at);
     match spans.last_mut() {
-        Some(last) if last.faces.start == at => last.name = name.to_owned(),
         Some(last) if last.name == name => {}
         last => {
             if let Some(last) = last {

@@ -132,73 +132,98 @@ impl Seek for Neutral<'_> {
 }
 
 fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
-    let mut positions: Vec<[f64; 3]> = Vec::new();
-    let mut solids: Vec<Group> = Vec::new();
-    let mut notes = Vec::new();
-    let mut in_facet = 0;
-    let mut lines = 0;
-    for (line, content) in Lines::new(bytes) {
-        lines = line;
+    let mut ascii = Ascii::default();
+    let mut lines = Lines::new(bytes);
+    let mut cut = None;
+    while let Some((line, content)) = lines.next() {
+        if let Err(error) = ascii.line(line, content) {
+            // A file that was cut short ends in the middle of a line: what is before it counts.
+            if lines.rest().is_empty() && ascii.positions.len() >= 3 {
+                cut = Some(line);
+                break;
+            }
+            return Err(error);
+        }
+    }
+    if cut.is_none() && ascii.in_facet > 0 {
+        cut = Some(bytes.iter().filter(|&&b| b == b'\n').count() as u64);
+    }
+    ascii.into_soup(cut)
+}
+
+/// An ASCII file as far as it has been read.
+#[derive(Default)]
+struct Ascii {
+    positions: Vec<[f64; 3]>,
+    solids: Vec<Group>,
+    /// Vertices read of the current facet.
+    in_facet: usize,
+    /// True behind an `endsolid`.
+    ended: bool,
+}
+
+impl Ascii {
+    fn line(&mut self, line: u64, content: &[u8]) -> Result<(), ParseError> {
+        let content = content.trim_ascii();
         let mut words = text::words(content);
-        let Some(keyword) = words.next() else { continue };
+        let Some(keyword) = words.next() else { return Ok(()) };
+        let error = |what: String| Err(ParseError::line(line, what));
         match keyword.to_ascii_lowercase().as_slice() {
+            b"vertex" if self.in_facet == 3 => {
+                return error("a facet with more than three vertices; export the file as triangles".into());
+            }
             b"vertex" => {
                 let mut point = [0.0; 3];
                 for coordinate in &mut point {
-                    *coordinate = words.next().and_then(text::number).ok_or_else(|| {
-                        ParseError::line(
-                            line,
-                            format!("a vertex has three numbers, not {}", text::quoted(content.trim_ascii())),
-                        )
-                    })?;
+                    let Some(value) = words.next().and_then(text::number) else {
+                        return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
+                    };
+                    *coordinate = value;
                 }
-                if in_facet == 3 {
-                    return Err(ParseError::line(
-                        line,
-                        "a facet with more than three vertices; export the file as triangles",
-                    ));
-                }
-                positions.push(point);
-                in_facet += 1;
+                self.positions.push(point);
+                self.in_facet += 1;
             }
-            b"endfacet" | b"facet" if in_facet == 3 => in_facet = 0,
-            b"endfacet" | b"facet" if in_facet > 0 => {
-                return Err(ParseError::line(line, format!("a facet ends after {in_facet} of three vertices")));
+            b"endfacet" | b"facet" if !self.in_facet.is_multiple_of(3) => {
+                return error(format!("a facet ends after {} of three vertices", self.in_facet));
             }
+            b"endfacet" | b"facet" => self.in_facet = 0,
             b"solid" => {
-                let start = (positions.len() / 3) as u32;
-                let name = text::name(&content.trim_ascii()[keyword.len()..]);
-                solids.push(Group { name, faces: start..start });
+                let start = (self.positions.len() / 3) as u32;
+                self.solids.push(Group { name: text::name(&content[keyword.len()..]), faces: start..start });
+                self.ended = false;
             }
-            b"facet" | b"endfacet" | b"outer" | b"endloop" | b"endsolid" => {}
-            _ => {
-                return Err(ParseError::line(
-                    line,
-                    format!("{} is no part of an STL file", text::quoted(content.trim_ascii())),
-                ));
-            }
+            b"endsolid" => self.ended = true,
+            b"outer" | b"endloop" => {}
+            _ => return error(format!("{} is no part of an STL file", text::quoted(content))),
         }
+        Ok(())
     }
-    if in_facet > 0 && in_facet < 3 {
-        notes.push(Note::repaired(format!(
-            "the file ends inside a facet, after line {lines}; the facets before it are used"
-        )));
-        positions.truncate(positions.len() / 3 * 3);
+
+    /// `cut` is the line in which the file ends too early.
+    fn into_soup(mut self, cut: Option<u64>) -> Result<Soup, ParseError> {
+        let count = self.positions.len() / 3;
+        if count == 0 {
+            return Err(ParseError::file("the solid has no whole facet"));
+        }
+        if count > MAX_FACES {
+            return Err(ParseError::file(format!("{count} facets are more than the {MAX_FACES} that can be handled")));
+        }
+        self.positions.truncate(3 * count);
+        for i in 0..self.solids.len() {
+            self.solids[i].faces.end = self.solids.get(i + 1).map_or(count as u32, |next| next.faces.start);
+        }
+        let mut soup = Soup::new(Positions::F64(self.positions), corners_in_order(count as u32));
+        soup.groups = self.solids;
+        if cut.is_none() && !self.ended {
+            soup.notes.push(Note::info("the last solid has no endsolid; the file may be cut short between two facets"));
+        }
+        soup.notes.extend(cut.map(|line| {
+            Note::repaired(format!(
+                "the file ends inside a facet, in line {line}; the {count} facets before it are used"
+            ))
+        }));
+        Ok(soup)
     }
-    let count = positions.len() / 3;
-    if count == 0 {
-        return Err(ParseError::file("the solid has no facets"));
-    }
-    if count > MAX_FACES {
-        return Err(ParseError::file(format!("{count} facets are more than the {MAX_FACES} that can be handled")));
-    }
-    for i in 0..solids.len() {
-        solids[i].faces.end = solids.get(i + 1).map_or(count as u32, |next| next.faces.start);
-    }
-    let mut soup = Soup::new(Positions::F64(positions), corners_in_order(count as u32));
-    soup.groups = solids;
-    soup.notes = notes;
-    Ok(soup)
 }
 
 #[cfg(test)]
@@ -254,7 +279,7 @@ mod tests {
             ),
         ] {
             let soup = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}"));
-            assert!(soup.face_count() >= 1 && soup.notes.is_empty(), "{text}");
+            assert!(soup.face_count() >= 1 && !soup.notes.iter().any(|n| n.repaired), "{text}");
             assert_eq!(soup.positions.get(1).x, 1.0);
         }
     }
@@ -282,9 +307,12 @@ mod tests {
     #[test]
     fn a_cut_ascii_file_gives_its_whole_facets() {
         let text = format!("solid x\n{FACET}{FACET}");
-        let cut = &text[..text.len() - 40];
-        let soup = read(cut.as_bytes()).expect("one whole facet");
-        assert_eq!(soup.face_count(), 1);
-        assert!(soup.notes[0].repaired);
+        for end in
+            text.len() - FACET.len() + 7..text.find("0 1 0\nendloop\nendfacet\n").map_or(0, |at| at + FACET.len())
+        {
+            let soup = read(&text.as_bytes()[..end]).unwrap_or_else(|e| panic!("cut at {end}: {e}"));
+            assert_eq!(soup.face_count(), 1, "cut at {end}");
+            assert!(soup.notes.len() <= 1);
+        }
     }
 }

@@ -140,22 +140,22 @@ impl MeshReport {
 
     /// One sentence for each defect, with the first few places.
     pub fn defects(&self) -> Vec<String> {
-        let places = |faces: &[u32], total: usize| {
+        let places = |faces: &[u32]| {
             let list: Vec<String> = faces.iter().map(u32::to_string).collect();
-            let more = if total > faces.len() { ", ..." } else { "" };
-            format!("{} {}{more}", if total == 1 { "face" } else { "faces" }, list.join(", "))
+            let more = if faces.len() == FEW { ", ..." } else { "" };
+            format!("face {}{more}", list.join(", "))
         };
         let first = &self.first_defects;
         let mut defects = Vec::new();
         let mut tell = |count: usize, what: &str, faces: &[u32]| {
             if count > 0 {
-                defects.push(format!("{count} {what} ({})", places(faces, count)));
+                defects.push(format!("{count} {what} ({})", places(faces)));
             }
         };
-        tell(self.degenerate_faces, "without area, not estimated", &first.degenerate);
-        tell(self.non_finite_faces, "with NaN or infinite coordinates, not estimated", &first.non_finite);
-        tell(self.duplicate_faces, "over the vertices of an earlier face, given its values", &first.duplicate);
-        tell(self.flipped_faces, "wound against their component, given its sign", &first.flipped);
+        tell(self.degenerate_faces, "faces without area, not estimated", &first.degenerate);
+        tell(self.non_finite_faces, "faces with NaN or infinite coordinates, not estimated", &first.non_finite);
+        tell(self.duplicate_faces, "faces over the vertices of an earlier face, given its values", &first.duplicate);
+        tell(self.flipped_faces, "faces wound against their component, given its sign", &first.flipped);
         tell(self.edges.non_manifold, "edges with three or more faces, where disks end", &first.non_manifold);
         defects
     }

@@ -85,10 +85,10 @@ impl Topology {
     /// Faces on one edge with the same opposite vertex are copies of the first of them.
     fn note_duplicates(&self, sides: &mut [u32], duplicates: &mut Vec<(Face, Face)>) {
         let apex = |&h: &u32| self.apex(HalfEdge(h)).0;
-        if let [a, b] = sides {
-            if apex(a) != apex(b) {
-                return;
-            }
+        if let [a, b] = sides
+            && apex(a) != apex(b)
+        {
+            return;
         }
         sides.sort_unstable_by_key(|h| (apex(h), *h));
         for alike in sides.chunk_by(|a, b| apex(a) == apex(b)) {

@@ -7,8 +7,10 @@
 mod accessor;
 mod buffers;
 mod container;
+mod geometry;
 mod layout;
 mod read;
+mod scene;
 mod write;
 
 pub(super) use layout::{check_glb_length, faces_byte_length};

@@ -1,0 +1,301 @@
+//! The program from the outside: the README's commands, exit codes, and bad input.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn osculate(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_osculate"));
+    command.current_dir(folder).args(args).stdin(Stdio::null());
+    command.output().expect("the program starts")
+}
+
+/// A folder of its own for a test, with a link to the fixtures.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::os::unix::fs::symlink(Path::new(ROOT).join("fixtures"), folder.path().join("fixtures")).expect("a link");
+    folder
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn fixture(name: &str) -> Vec<u8> {
+    fs::read(Path::new(ROOT).join("fixtures").join(name)).expect("a fixture")
+}
+
+/// Every line of the README that calls the program must work as it is printed.
+#[test]
+fn the_readmes_commands_work() {
+    let readme = fs::read_to_string(Path::new(ROOT).join("README.md")).expect("a README");
+    let folder = folder();
+    let mut ran = 0;
+    let blocks = readme.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    for line in blocks.flat_map(str::lines).filter(|line| line.starts_with("osculate ")) {
+        let program = Path::new(env!("CARGO_BIN_EXE_osculate"));
+        let path =
+            format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").unwrap_or_default());
+        let output = Command::new("sh").args(["-c", line]).env("PATH", path).current_dir(folder.path()).output();
+        let output = output.expect("a shell");
+        assert_eq!(output.status.code(), Some(0), "{line}\n{}", stderr(&output));
+        ran += 1;
+    }
+    assert!(ran >= 6, "the README shows {ran} commands");
+}
+
+#[test]
+fn every_format_is_written_and_the_summary_is_json() {
+    let folder = folder();
+    for output in ["a.glb", "a.gltf", "a.ply", "a.csv"] {
+        let run = osculate(
+            folder.path(),
+            &["annotate", "fixtures/suzanne.stl", "-o", output, "--stats", "stats.json", "--log", "json"],
+        );
+        assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+        assert!(run.stdout.is_empty(), "results only go to standard output when asked for");
+        assert!(stderr(&run).lines().all(|line| serde_json::from_str::<Value>(line).is_ok()), "{}", stderr(&run));
+        let stats: Value =
+            serde_json::from_slice(&fs::read(folder.path().join("stats.json")).expect("stats")).expect("JSON");
+        for key in ["faces", "vertices", "components", "boundary_loops", "degenerate_faces", "duplicate_faces"] {
+            assert!(stats[key].is_u64(), "{key}");
+        }
+        for key in ["inner", "boundary", "feature", "non_manifold"] {
+            assert!(stats["edges"][key].is_u64(), "{key}");
+        }
+        for key in ["read", "weld", "estimate", "write", "total"] {
+            assert!(stats["seconds"][key].is_f64(), "{key}");
+        }
+        assert!(stats["bounds"]["min"].is_array() && stats["curvature"]["classes"].is_object());
+    }
+    let names: Vec<String> = fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    assert!(names.iter().all(|n| !n.contains("part")), "no temporary file is left: {names:?}");
+}
+
+#[test]
+fn inspect_prints_the_contract() {
+    let folder = folder();
+    let run = osculate(folder.path(), &["inspect", "fixtures/cylinder_holes.stl", "--format", "json"]);
+    let json: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    assert_eq!(
+        (&json["faces"], &json["boundary_loops"], &json["edges"]["boundary"]),
+        (&568.into(), &2.into(), &64.into())
+    );
+    assert_eq!(run.status.code(), Some(0));
+    let degenerate = osculate(folder.path(), &["inspect", "fixtures/fillet_degenerate.stl"]);
+    assert_eq!(degenerate.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&degenerate.stdout).contains("8 faces without area"));
+}
+
+#[test]
+fn csv_has_a_row_for_every_face_in_order() {
+    let folder = folder();
+    let run =
+        osculate(folder.path(), &["annotate", "fixtures/fillet_degenerate.stl", "-o", "-", "--format", "csv", "-q"]);
+    assert_eq!(run.status.code(), Some(3));
+    let text = String::from_utf8(run.stdout).expect("text");
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage"
+        )
+    );
+    let mut empty = 0;
+    for (i, line) in lines.enumerate() {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!((fields.len(), fields[0].parse()), (15, Ok(i)));
+        if fields[1] == "-1" {
+            empty += 1;
+            assert!(fields[2..14].iter().all(|f| f.is_empty()), "{line}");
+        } else {
+            assert!(fields[2..6].iter().all(|f| f.parse::<f64>().is_ok_and(f64::is_finite)), "{line}");
+        }
+    }
+    assert_eq!(empty, 8);
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_threads() {
+    let folder = folder();
+    for extension in ["glb", "csv", "ply"] {
+        let run = |threads: &str| {
+            let name = format!("{threads}.{extension}");
+            osculate(folder.path(), &["annotate", "fixtures/fillet_part.stl", "-o", &name, "-j", threads, "-q"]);
+            fs::read(folder.path().join(name)).expect("an output")
+        };
+        assert!(run("1") == run("4"), "{extension}");
+    }
+}
+
+/// What an output must survive: it stays as it was when the run fails.
+fn fails(folder: &Path, input: &str, expected: &str) {
+    fs::write(folder.join("kept.glb"), "before").expect("writable");
+    for output in ["new.glb", "new.csv", "kept.glb"] {
+        let run = osculate(folder, &["annotate", input, "-o", output, "--stats", "stats.json"]);
+        let message = stderr(&run);
+        assert_eq!(run.status.code(), Some(1), "{input}: {message}");
+        assert_eq!(message.lines().count(), 1, "{input}: one sentence, not {message}");
+        assert!(message.contains(expected), "{input}: {message} does not say {expected:?}");
+        assert!(message.contains(input), "{input}: the file is not named in {message}");
+    }
+    assert_eq!(fs::read(folder.join("kept.glb")).expect("there"), b"before", "{input}");
+    for name in ["new.glb", "new.csv", "stats.json"] {
+        assert!(!folder.join(name).exists(), "{input}: {name} was written");
+    }
+}
+
+#[test]
+fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
+    let folder = folder();
+    let file = |name: &str, content: &[u8]| {
+        fs::write(folder.path().join(name), content).expect("writable");
+        name.to_owned()
+    };
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let ply = |vertices: &str, face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n{vertices}\n{face}\n"
+        )
+    };
+    let cases: Vec<(String, &str)> = vec![
+        (file("empty.stl", b""), "empty"),
+        (file("empty.obj", b" \n"), "empty"),
+        (file("letter.stl", b"Dear aunt,\nthank you for the mesh.\n"), "text"),
+        (file("letter.ply", b"Dear aunt"), "not PLY"),
+        (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY and glTF"),
+        (file("noise.bin", &[7; 300]), "none of"),
+        (file("cut.stl", &fixture("suzanne.stl")[..100]), "byte"),
+        (file("cut.ply", &fixture("suzanne.ply")[..9000]), "truncated"),
+        (file("cut.glb", &fixture("suzanne.glb")[..9000]), "byte"),
+        (file("cut.gltf", &fixture("two_meshes.gltf")[..900]), "line"),
+        (file("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1"), "line 3"),
+        (file("range.obj", format!("{triangle}f 1 2 4\n").as_bytes()), "line 4: vertex 4 is out of range"),
+        (file("range.ply", ply("0 0 0 1 0 0 0 1 0", "3 0 1 3").as_bytes()), "out of range"),
+        (file("cloud.obj", triangle.as_bytes()), "no faces"),
+        (file("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "finite"),
+        (file("inf.ply", ply("inf 0 0 1 0 0 0 1 0", "3 0 1 2").as_bytes()), "finite"),
+        (file("flat.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n"), "area"),
+        (file("missing.gltf", b"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"no.bin\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}"), "buffers[0].uri"),
+        (file("old.gltf", b"{\"asset\":{\"version\":\"1.0\"}}"), "version"),
+        ("no_such_file.stl".into(), "cannot read"),
+    ];
+    for (input, expected) in &cases {
+        fails(folder.path(), input, expected);
+    }
+}
+
+#[test]
+fn part_of_a_mesh_is_better_than_none() {
+    let folder = folder();
+    let cases: [(&str, Vec<u8>, &str); 5] = [
+        ("cut.stl", fixture("suzanne.stl")[..20_000].to_vec(), "promises 968"),
+        ("cut_ascii.stl", fixture("suzanne_meshlab_ascii.stl")[..20_000].to_vec(), "ends inside a facet"),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 3 4\n".to_vec(), "1 faces with NaN"),
+        ("double.obj", b"v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 3 2 1\n".to_vec(), "earlier face"),
+        (
+            "fan.obj",
+            b"v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n".to_vec(),
+            "three or more faces",
+        ),
+    ];
+    for (name, content, expected) in cases {
+        fs::write(folder.path().join(name), content).expect("writable");
+        for output in ["out.glb", "out.csv", "out.ply"] {
+            let run = osculate(folder.path(), &["annotate", name, "-o", output]);
+            assert_eq!(run.status.code(), Some(3), "{name}: {}", stderr(&run));
+            assert!(stderr(&run).contains(expected), "{name}: {}", stderr(&run));
+            assert!(folder.path().join(output).metadata().is_ok_and(|m| m.len() > 0));
+        }
+    }
+}
+
+#[test]
+fn bad_usage_is_told_before_any_work() {
+    let folder = folder();
+    let annotate = |extra: &[&str]| {
+        let args = [&["annotate", "fixtures/two_meshes.glb"], extra].concat();
+        osculate(folder.path(), &args)
+    };
+    let cases: [(&[&str], &str); 17] = [
+        (&["-o", "a.xyz"], "extension"),
+        (&["-o", "-"], "--format"),
+        (&["-o", "fixtures/two_meshes.glb"], "is the input"),
+        (&["-o", "a.glb", "--unit", "mm"], "--unit"),
+        (&["-o", "a.glb", "--up", "z"], "--up"),
+        (&["-o", "a.glb", "--attributes", "k_mux"], "k_mux"),
+        (&["-o", "a.glb", "--colormap", "rainbow"], "rainbow"),
+        (&["-o", "a.glb", "--range", "5:-5"], "empty or reversed"),
+        (&["-o", "a.glb", "--range", "5"], "LOW:HIGH"),
+        (&["-o", "a.glb", "--radius", "-1"], "above 0"),
+        (&["-o", "a.glb", "--radius-factor", "0"], "above 0"),
+        (&["-o", "a.glb", "--radius-factor", "3:vertex"], "neither"),
+        (&["-o", "a.glb", "--diameters", "2"], "3 to 360"),
+        (&["-o", "a.glb", "--feature-angle", "200"], "0 to 180"),
+        (&["-o", "a.glb", "--weld", "-1"], "weld"),
+        (&["-o", "a.glb", "-j", "0"], "1 to 1024"),
+        (&["-o", "a.glb", "--stats", "a.glb"], "two outputs"),
+    ];
+    for (args, expected) in cases {
+        let run = annotate(args);
+        assert_eq!(run.status.code(), Some(2), "{args:?}: {}", stderr(&run));
+        assert!(stderr(&run).contains(expected), "{args:?}: {}", stderr(&run));
+        assert!(!folder.path().join("a.glb").exists(), "{args:?}");
+    }
+    let missing = annotate(&["-o", "no/such/folder/a.glb"]);
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(stderr(&missing).contains("no/such/folder"));
+    fs::write(folder.path().join("old.csv"), "old").expect("writable");
+    let kept = annotate(&["-o", "old.csv", "--no-clobber"]);
+    assert_eq!(
+        (kept.status.code(), fs::read(folder.path().join("old.csv")).expect("there")),
+        (Some(2), b"old".to_vec())
+    );
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = folder();
+    let line =
+        format!("{} annotate fixtures/fillet_part.stl -o - --format csv | head -1", env!("CARGO_BIN_EXE_osculate"));
+    let run = Command::new("bash")
+        .args(["-o", "pipefail", "-c", &line])
+        .current_dir(folder.path())
+        .output()
+        .expect("a shell");
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+}
+
+#[test]
+fn a_device_is_written_to_and_not_replaced() {
+    let folder = folder();
+    let run =
+        osculate(folder.path(), &["annotate", "fixtures/suzanne.stl", "-o", "/dev/null", "--format", "glb", "-q"]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    assert!(!PathBuf::from("/dev/null").metadata().expect("a device").is_file());
+}
+
+#[test]
+fn help_names_ranges_and_defaults_and_scripts_can_be_made() {
+    let folder = folder();
+    let help = osculate(folder.path(), &["annotate", "--help"]);
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    for text in ["Estimation:", "Mesh:", "Output:", "General:", "[default: 12]", "3 to 360", "[default: 40]", "degrees"]
+    {
+        assert!(help.contains(text), "{text:?} is missing in\n{help}");
+    }
+    let version = osculate(folder.path(), &["--version"]);
+    assert_eq!(String::from_utf8_lossy(&version.stdout), format!("osculate {}\n", env!("CARGO_PKG_VERSION")));
+    for shell in ["bash", "zsh", "fish"] {
+        let script = osculate(folder.path(), &["completions", shell]);
+        assert!(String::from_utf8_lossy(&script.stdout).contains("radius-factor"), "{shell}");
+    }
+    let man = osculate(folder.path(), &["man"]);
+    assert!(String::from_utf8_lossy(&man.stdout).contains("feature\\-angle"));
+}

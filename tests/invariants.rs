@@ -1,0 +1,173 @@
+//! What must not change the answer, and what must change it in a known way.
+
+mod common;
+
+use common::values_of;
+use glam::{DQuat, DVec3};
+use osculate::synth::{Grid, Surface};
+use osculate::{CurvatureOptions, FaceCurvature, Positions, Soup};
+use proptest::prelude::*;
+
+/// A small irregular mesh: closed or with a border, elliptic and hyperbolic.
+fn soups() -> impl Strategy<Value = Soup> {
+    (any::<bool>(), any::<u64>()).prop_map(|(closed, seed)| {
+        let surface = if closed { Surface::Torus { major: 3.0, minor: 1.0 } } else { Surface::Saddle };
+        Grid { jitter: 0.25, seed, ..Grid::new(surface, 18, 9) }.build().0
+    })
+}
+
+fn points(soup: &Soup) -> Vec<DVec3> {
+    (0..soup.positions.len()).map(|i| soup.positions.get(i)).collect()
+}
+
+fn moved(soup: &Soup, by: impl Fn(DVec3) -> DVec3) -> Soup {
+    let points = points(soup).into_iter().map(|p| by(p).to_array()).collect();
+    Soup::new(Positions::F64(points), soup.triangles.clone())
+}
+
+fn values(soup: &Soup) -> Vec<FaceCurvature> {
+    values_of(soup, &CurvatureOptions::default())
+}
+
+/// A permutation of 0..n.
+fn shuffled(n: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by_key(|&i| (i as u64 ^ seed).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17));
+    order
+}
+
+/// Values agree to `tolerance` times the curvature over a disk, turned by `turn` and scaled.
+fn assert_alike(before: &[FaceCurvature], after: &[FaceCurvature], scale: f64, turn: DQuat, tolerance: f64) {
+    for (f, (a, b)) in before.iter().zip(after).enumerate() {
+        let unit = 1.0 / f64::from(a.radius);
+        for (a, b) in [(a.k_max, b.k_max), (a.k_min, b.k_min)] {
+            assert!((f64::from(a) - scale * f64::from(b)).abs() <= tolerance * unit, "face {f}: {a} and {b}");
+        }
+        assert_eq!(a.coverage, b.coverage, "face {f}");
+        // Where both curvatures are alike, any direction is as good.
+        if f64::from(a.k_max - a.k_min) > 0.05 * unit {
+            let cosine = (turn * a.dir_max.as_dvec3()).dot(b.dir_max.as_dvec3()).abs();
+            assert!(cosine > 1.0 - 1e3 * tolerance.max(1e-7), "face {f}: {cosine}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_order_of_faces_does_not_matter(soup in soups(), seed: u64) {
+        let order = shuffled(soup.face_count(), seed);
+        let mixed = Soup::new(soup.positions.clone(), order.iter().map(|&f| soup.triangles[f]).collect());
+        let (before, after) = (values(&soup), values(&mixed));
+        for (place, &f) in order.iter().enumerate() {
+            prop_assert_eq!(before[f], after[place]);
+        }
+    }
+
+    #[test]
+    fn the_order_of_vertices_does_not_matter(soup in soups(), seed: u64) {
+        let order = shuffled(soup.positions.len(), seed);
+        let mut number = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(new, &old)| number[old] = new as u32);
+        let all = points(&soup);
+        let mixed = Soup::new(
+            Positions::F64(order.iter().map(|&v| all[v].to_array()).collect()),
+            soup.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect(),
+        );
+        prop_assert_eq!(values(&soup), values(&mixed));
+    }
+
+    #[test]
+    fn which_corner_comes_first_does_not_matter(soup in soups(), seed: u64) {
+        let turned = soup.triangles.iter().enumerate().map(|(f, t)| {
+            let mut t = *t;
+            t.rotate_left((seed as usize).wrapping_add(f) % 3);
+            t
+        });
+        let turned = Soup::new(soup.positions.clone(), turned.collect());
+        assert_alike(&values(&soup), &values(&turned), 1.0, DQuat::IDENTITY, 1e-6);
+    }
+
+    #[test]
+    fn turning_the_mesh_turns_the_directions(soup in soups(), axis in [-1.0..1.0, -1.0..1.0, 0.1..1.0_f64], angle in 0.0..6.0_f64) {
+        let turn = DQuat::from_axis_angle(DVec3::from_array(axis).normalize(), angle);
+        assert_alike(&values(&soup), &values(&moved(&soup, |p| turn * p)), 1.0, turn, 1e-6);
+    }
+
+    #[test]
+    fn a_million_away_nothing_changes(soup in soups(), step in [-1e6..1e6, -1e6..1e6, -1e6..1e6_f64]) {
+        let moved = moved(&soup, |p| p + DVec3::from_array(step));
+        assert_alike(&values(&soup), &values(&moved), 1.0, DQuat::IDENTITY, 1e-6);
+    }
+
+    #[test]
+    fn scaling_by_s_divides_curvature_by_s(soup in soups(), exponent in -9.0..9.0_f64) {
+        let scale = 10.0_f64.powf(exponent);
+        assert_alike(&values(&soup), &values(&moved(&soup, |p| scale * p)), scale, DQuat::IDENTITY, 1e-6);
+    }
+
+    #[test]
+    fn mirrored_winding_flips_the_signs(soup in soups()) {
+        let mirrored = Soup::new(soup.positions.clone(), soup.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect());
+        for (f, (a, b)) in values(&soup).iter().zip(values(&mirrored)).enumerate() {
+            let unit = 1.0 / a.radius;
+            prop_assert!((a.k_max + b.k_min).abs() < 1e-5 * unit && (a.k_min + b.k_max).abs() < 1e-5 * unit, "face {}", f);
+        }
+    }
+
+    #[test]
+    fn faces_against_the_majority_get_its_sign(soup in soups(), seed: u64) {
+        let flip = |f: usize| (f as u64 ^ seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 62 == 0;
+        let mixed = soup.triangles.iter().enumerate().map(|(f, &[a, b, c])| if flip(f) { [a, c, b] } else { [a, b, c] });
+        let mixed = Soup::new(soup.positions.clone(), mixed.collect());
+        let expected = (0..soup.face_count()).filter(|&f| flip(f)).count();
+        prop_assert_eq!(common::mesh_of(&mixed).report().flipped_faces, expected);
+        assert_alike(&values(&soup), &values(&mixed), 1.0, DQuat::IDENTITY, 1e-6);
+    }
+}
+
+#[test]
+fn one_thread_or_many_give_the_same_values() {
+    let (soup, _) = Grid { jitter: 0.2, ..Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 200, 100) }.build();
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| values(&soup))
+    };
+    let one = on(1);
+    for threads in [2, 3, 8] {
+        assert_eq!(one, on(threads));
+    }
+}
+
+/// The triangles of a mesh as a file without shared vertices gives them.
+#[test]
+fn a_soup_of_loose_triangles_is_the_same_mesh() {
+    let (soup, _) = Grid::new(Surface::Saddle, 12, 12).build();
+    let loose: Vec<[f64; 3]> =
+        soup.triangles.as_flattened().iter().map(|&v| soup.positions.get(v as usize).to_array()).collect();
+    let triangles = (0..soup.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    assert_eq!(values(&soup), values(&Soup::new(Positions::F64(loose), triangles)));
+}
+
+/// A copy of a face gets the values of the first and does not open the mesh around it.
+#[test]
+fn defects_leave_the_rest_of_the_mesh_alone() {
+    let (soup, _) = Grid::new(Surface::Saddle, 12, 12).build();
+    let clean = values(&soup);
+    let mut spoilt = soup.clone();
+    let mut points: Vec<[f64; 3]> = common::mesh_of(&soup).positions().iter().map(|p| p.to_array()).collect();
+    points = (0..soup.positions.len()).map(|i| soup.positions.get(i).to_array()).chain(points.drain(..0)).collect();
+    points.push([f64::NAN, 0.0, 0.0]);
+    let bad = points.len() as u32 - 1;
+    let copy = soup.triangles[100];
+    spoilt.triangles.extend([[copy[0], copy[2], copy[1]], [copy[0], copy[0], copy[1]], [copy[0], copy[1], bad]]);
+    let spoilt = Soup::new(Positions::F64(points), spoilt.triangles);
+    let found = values(&spoilt);
+    let n = clean.len();
+    assert_eq!(found[..n], clean);
+    assert_eq!(found[n], clean[100]);
+    assert!(!found[n + 1].is_estimated() && !found[n + 2].is_estimated());
+    let report = common::mesh_of(&spoilt).report().clone();
+    assert_eq!((report.duplicate_faces, report.degenerate_faces, report.non_finite_faces), (1, 1, 1));
+}
