@@ -1,4 +1,27 @@
 //! Curvature of every face of a triangle mesh.
+//!
+//! Data flows one way: a file becomes a [`Soup`] (triangles as the file gives them), the soup a
+//! [`Mesh`] (welded, connected, every edge classified), the mesh one [`FaceCurvature`] per face, and
+//! mesh and values together an [`Annotation`], which is written as glTF, PLY or CSV.
+//!
+//! ```
+//! use osculate::{CurvatureOptions, Mesh, MeshOptions, NoProgress, Positions, Soup, estimate};
+//!
+//! // A tetrahedron; `osculate::read` gives a soup from a file.
+//! let corners = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+//! let faces = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+//! let soup = Soup::new(Positions::F64(corners), faces);
+//!
+//! // Its edges are sharper than the default feature angle, so every face is flat.
+//! let mesh = Mesh::from_soup(&soup, &MeshOptions::default())?;
+//! let values = estimate(&mesh, &CurvatureOptions::default(), &NoProgress)?;
+//! assert!(values.iter().all(|v| v.k_max == 0.0 && v.is_estimated()));
+//! # Ok::<(), osculate::Error>(())
+//! ```
+//!
+//! The whole job in one call, as the command line does it, is [`annotate`]. What every quantity
+//! means, with formula, unit, sign and range: `docs/quantities.md`. Why things are as they are:
+//! `docs/decisions.md`.
 
 mod annotate;
 mod annotation;
