@@ -33,3 +33,17 @@ pub(crate) fn percentile(errors: impl Iterator<Item = f64>, share: f64) -> f64 {
     errors.sort_by(f64::total_cmp);
     100.0 * errors[((errors.len() - 1) as f64 * share).round() as usize]
 }
+
+/// All of a face's values as bits, so that a missing value equals a missing value.
+pub(crate) fn bits(of: &FaceCurvature) -> Vec<u32> {
+    let scalars = [of.k_max, of.k_min, of.gauss_perimeter, of.radius, of.coverage, f32::from(of.class.code())];
+    scalars.into_iter().chain(of.dir_max.to_array()).chain(of.dir_min.to_array()).map(f32::to_bits).collect()
+}
+
+/// The number of faces whose values differ in any bit.
+pub(crate) fn differing<'v>(
+    a: impl IntoIterator<Item = &'v FaceCurvature>,
+    b: impl IntoIterator<Item = &'v FaceCurvature>,
+) -> usize {
+    a.into_iter().zip(b).filter(|(a, b)| bits(a) != bits(b)).count()
+}
