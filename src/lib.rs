@@ -47,7 +47,7 @@ pub use curvature::{CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radiu
 pub use disk::{Diameter, Disk, Frame, Leg};
 pub use error::{Error, ParseError, Place};
 pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
-pub use io::{Destination, InputFormat, Output, OutputFormat, check_size, read, read_bytes, write};
+pub use io::{Destination, InputFormat, Output, OutputFormat, check_size, read, read_bytes, write, write_mesh};
 pub use mesh::{
     Across, Bounds, EdgeCounts, EdgeKind, Face, FaceState, FirstDefects, HalfEdge, Mesh, MeshOptions, MeshReport,
     Topology, Vertex,

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 fn soups() -> impl Strategy<Value = Soup> {
     (any::<bool>(), any::<u64>()).prop_map(|(closed, seed)| {
         let surface = if closed { Surface::Torus { major: 3.0, minor: 1.0 } } else { Surface::Saddle };
-        Grid { jitter: 0.25, seed, ..Grid::new(surface, 18, 9) }.build().0
+        Grid { jitter: 0.25, seed, ..Grid::new(surface, 18, 9) }.build().soup
     })
 }
 
@@ -127,7 +127,7 @@ proptest! {
 
 #[test]
 fn one_thread_or_many_give_the_same_values() {
-    let (soup, _) = Grid { jitter: 0.2, ..Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 200, 100) }.build();
+    let soup = Grid { jitter: 0.2, ..Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 200, 100) }.build().soup;
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| values(&soup))
@@ -141,7 +141,7 @@ fn one_thread_or_many_give_the_same_values() {
 /// The triangles of a mesh as a file without shared vertices gives them.
 #[test]
 fn a_soup_of_loose_triangles_is_the_same_mesh() {
-    let (soup, _) = Grid::new(Surface::Saddle, 12, 12).build();
+    let soup = Grid::new(Surface::Saddle, 12, 12).build().soup;
     let loose: Vec<[f64; 3]> =
         soup.triangles.as_flattened().iter().map(|&v| soup.positions.get(v as usize).to_array()).collect();
     let triangles = (0..soup.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
@@ -151,7 +151,7 @@ fn a_soup_of_loose_triangles_is_the_same_mesh() {
 /// A copy of a face gets the values of the first and does not open the mesh around it.
 #[test]
 fn defects_leave_the_rest_of_the_mesh_alone() {
-    let (soup, _) = Grid::new(Surface::Saddle, 12, 12).build();
+    let soup = Grid::new(Surface::Saddle, 12, 12).build().soup;
     let clean = values(&soup);
     let mut spoilt = soup.clone();
     let mut points: Vec<[f64; 3]> = points(&soup).iter().map(|p| p.to_array()).collect();

@@ -1,6 +1,7 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
 use osculate::{
     AnnotateOptions, ColorCarrier, Colormap, CurvatureOptions, Estimator, MeshOptions, OutputFormat, Quantity, Radius,
     Range, Selection, Unit, UpAxis,
@@ -31,6 +32,8 @@ pub(super) enum Command {
     Annotate(Box<AnnotateArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
+    /// Make a synthetic mesh whose curvature is known exactly
+    Synth(SynthArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell.
@@ -45,6 +48,7 @@ impl Command {
         match self {
             Command::Annotate(args) => Some(&args.common),
             Command::Inspect(args) => Some(&args.common),
+            Command::Synth(args) => Some(&args.common),
             Command::Completions { .. } | Command::Man => None,
         }
     }
@@ -206,6 +210,95 @@ pub(super) struct InspectArgs {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct SynthArgs {
+    /// What to make
+    #[arg(value_enum)]
+    pub(super) shape: ShapeArg,
+
+    /// Mesh to write; its extension chooses the format: .stl, .ply or .obj
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Also write the exact curvature of every face as CSV: that of the surface without noise,
+    /// nearest to the face's barycentre
+    #[arg(long, value_name = "FILE")]
+    pub(super) exact: Option<PathBuf>,
+
+    /// Radius of the sphere or cylinder, radius of the torus' centre circle; above 0
+    #[arg(long, value_name = "LENGTH", default_value_t = 3.0, help_heading = "Shape")]
+    pub(super) radius: f64,
+
+    /// Radius of the torus' tube; above 0, below --radius
+    #[arg(long, value_name = "LENGTH", default_value_t = 1.0, help_heading = "Shape")]
+    pub(super) tube: f64,
+
+    /// Height of the cylinder; above 0
+    #[arg(long, value_name = "LENGTH", default_value_t = 6.0, help_heading = "Shape")]
+    pub(super) height: f64,
+
+    /// Lengths of the box, or axes of the ellipsoid, along x, y and z; above 0
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, default_value = "4,3,2", help_heading = "Shape")]
+    pub(super) size: DVec3,
+
+    /// Radius of the fillets of the fillet-box; below half the shortest length
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.5, help_heading = "Shape")]
+    pub(super) fillet: f64,
+
+    /// Number of faces, roughly; 4 to 100000000
+    #[arg(long, value_name = "N", default_value_t = 10_000, help_heading = "Mesh")]
+    pub(super) faces: usize,
+
+    /// Cells are this many times as long along u (around) as along v; 0.001 to 1000
+    #[arg(long, value_name = "A", default_value_t = 1.0, help_heading = "Mesh")]
+    pub(super) aspect: f64,
+
+    /// Cells along u and v instead of --faces and --aspect; boxes: along a flat and across half a
+    /// fillet
+    #[arg(long, value_name = "U,V", value_parser = cells, conflicts_with_all = ["faces", "aspect"], help_heading = "Mesh")]
+    pub(super) cells: Option<[usize; 2]>,
+
+    /// Parameters move by up to this share of a cell at random; 0 to 0.5
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, help_heading = "Mesh")]
+    pub(super) jitter: f64,
+
+    /// Standard deviation of a random displacement of every coordinate, in mean edges; 0 or more
+    #[arg(long, value_name = "EDGES", default_value_t = 0.0, help_heading = "Mesh")]
+    pub(super) noise: f64,
+
+    /// Chooses the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Mesh")]
+    pub(super) seed: u64,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+/// A synthetic shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ShapeArg {
+    /// The square from -1 to 1
+    Plane,
+    /// --radius
+    Sphere,
+    /// Open at both ends; --radius, --height
+    Cylinder,
+    /// --radius, --tube
+    Torus,
+    /// --size
+    Ellipsoid,
+    /// z = x^2 - y^2 over the square from -1 to 1
+    Saddle,
+    /// z = x^3 - 3 x y^2 over the square from -1 to 1
+    MonkeySaddle,
+    /// z = 0.1 sin(pi x) cos(pi y) over the square from -1 to 1
+    Wave,
+    /// Sharp edges; --size
+    Box,
+    /// Rounded edges and corners; --size, --fillet
+    FilletBox,
+}
+
+#[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(super) struct CommonArgs {
     /// Threads to use, 1 or more; default: one per core. The output does not depend on it
@@ -339,6 +432,22 @@ fn range(text: &str) -> Result<Range, String> {
     let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
     let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
     Ok(Range::Fixed(number(low)?, number(high)?))
+}
+
+fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::trim).map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if [x, y, z].iter().all(|c: &f64| c.is_finite()) => Ok(DVec3::new(x, y, z)),
+        _ => Err("give three numbers separated by commas".into()),
+    }
+}
+
+fn cells(text: &str) -> Result<[usize; 2], String> {
+    let numbers: Result<Vec<usize>, _> = text.split(',').map(str::trim).map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[u @ 1..=30_000, v @ 1..=30_000]) => Ok([u, v]),
+        _ => Err("give two numbers from 1 to 30000 separated by a comma".into()),
+    }
 }
 
 fn threads(text: &str) -> Result<usize, String> {

@@ -5,6 +5,7 @@ mod args;
 mod inspect;
 mod messages;
 mod progress;
+mod synth;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
@@ -41,6 +42,7 @@ pub(crate) fn run() -> ExitCode {
     let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
         Command::Annotate(args) => annotate::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
+        Command::Synth(args) => synth::run(args, &messages),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Cli::command(), "osculate", &mut script);

@@ -5,11 +5,13 @@ mod csv;
 mod gltf;
 mod obj;
 mod output;
+mod plain;
 mod ply;
 mod stl;
 mod text;
 
 pub use output::Output;
+pub use plain::write_mesh;
 
 use crate::annotation::{Annotation, ColorCarrier};
 use crate::error::{Error, ParseError};

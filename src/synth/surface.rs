@@ -27,10 +27,17 @@ pub enum Surface {
         /// Radius of the tube.
         minor: f64,
     },
+    /// An ellipsoid with its axes along x, y and z.
+    Ellipsoid {
+        /// Half lengths along x, y and z.
+        axes: DVec3,
+    },
     /// z = x^2 - y^2 over [-1, 1]^2.
     Saddle,
     /// z = x^3 - 3 x y^2 over [-1, 1]^2.
     MonkeySaddle,
+    /// z = 0.1 sin(pi x) cos(pi y) over [-1, 1]^2.
+    Wave,
 }
 
 /// A point of a surface with its first and second derivatives.
@@ -73,8 +80,10 @@ impl Surface {
         let turn = Axis { start: 0.0, end: 2.0 * PI, periodic: true };
         let side = Axis { start: -1.0, end: 1.0, periodic: false };
         match *self {
-            Surface::Plane | Surface::Saddle | Surface::MonkeySaddle => [side, side],
-            Surface::Sphere { .. } => [turn, Axis { start: -FRAC_PI_2, end: FRAC_PI_2, periodic: false }],
+            Surface::Plane | Surface::Saddle | Surface::MonkeySaddle | Surface::Wave => [side, side],
+            Surface::Sphere { .. } | Surface::Ellipsoid { .. } => {
+                [turn, Axis { start: -FRAC_PI_2, end: FRAC_PI_2, periodic: false }]
+            }
             Surface::Cylinder { height, .. } => {
                 [turn, Axis { start: -0.5 * height, end: 0.5 * height, periodic: false }]
             }
@@ -84,7 +93,7 @@ impl Surface {
 
     /// True where the ends of v are single points.
     pub(super) fn has_poles(&self) -> bool {
-        matches!(self, Surface::Sphere { .. })
+        matches!(self, Surface::Sphere { .. } | Surface::Ellipsoid { .. })
     }
 
     pub(super) fn jet(&self, at: DVec2) -> Jet {
@@ -101,6 +110,13 @@ impl Surface {
                 v,
                 [u * u * u - 3.0 * u * v * v, 3.0 * u * u - 3.0 * v * v, -6.0 * u * v, 6.0 * u, -6.0 * v, -6.0 * u],
             ),
+            Surface::Wave => {
+                let (su, cu) = (PI * u).sin_cos();
+                let (sv, cv) = (PI * v).sin_cos();
+                let (z, z1, z2) = (0.1, 0.1 * PI, 0.1 * PI * PI);
+                graph(u, v, [z * su * cv, z1 * cu * cv, -z1 * su * sv, -z2 * su * cv, -z2 * cu * sv, -z2 * su * cv])
+            }
+            Surface::Ellipsoid { axes } => Surface::Sphere { radius: 1.0 }.jet(at).scaled(axes),
             Surface::Sphere { radius: r } => Jet {
                 point: r * (cv * round + sv * DVec3::Z),
                 u: r * cv * along,
@@ -126,6 +142,20 @@ impl Surface {
                 vv: -minor * (cv * round + sv * DVec3::Z),
             },
         }
+    }
+
+    /// Lengths of the middle lines along u and v.
+    pub(super) fn lengths(&self) -> [f64; 2] {
+        const STEPS: usize = 64;
+        let [u, v] = self.axes();
+        let at = |axis: Axis, share: f64| axis.start + (axis.end - axis.start) * share;
+        let line = |point: &dyn Fn(f64) -> DVec3| {
+            (0..STEPS).map(|i| point(i as f64 / STEPS as f64).distance(point((i + 1) as f64 / STEPS as f64))).sum()
+        };
+        let point = |s: f64, t: f64| self.jet(DVec2::new(at(u, s), at(v, t))).point;
+        // A quarter of a turn is the middle of what a torus has inside and outside.
+        let across = if v.periodic { 0.25 } else { 0.5 };
+        [line(&|s| point(s, across)), line(&|t| point(0.5, t))]
     }
 
     /// Exact curvature at the point of the surface nearest to `p`, searched from `start`.
@@ -164,6 +194,18 @@ fn graph(u: f64, v: f64, [z, zu, zv, zuu, zuv, zvv]: [f64; 6]) -> Jet {
 }
 
 impl Jet {
+    /// The jet of the surface stretched along x, y and z.
+    fn scaled(self, by: DVec3) -> Self {
+        Jet {
+            point: by * self.point,
+            u: by * self.u,
+            v: by * self.v,
+            uu: by * self.uu,
+            uv: by * self.uv,
+            vv: by * self.vv,
+        }
+    }
+
     /// Principal curvatures from the first and second fundamental forms.
     fn curvature(&self) -> Exact {
         let normal = self.u.cross(self.v).normalize();

@@ -1,7 +1,7 @@
 //! What several tests need.
 #![allow(dead_code, reason = "each test file uses its own share")]
 
-use osculate::synth::{Exact, Grid};
+use osculate::synth::{Exact, Grid, Synthetic};
 use osculate::{CurvatureOptions, FaceCurvature, Mesh, MeshOptions, NoProgress, Soup, estimate};
 
 /// A mesh that has passed its sanity check.
@@ -18,7 +18,7 @@ pub(crate) fn values_of(soup: &Soup, options: &CurvatureOptions) -> Vec<FaceCurv
 
 /// Curvature of a synthetic mesh and the exact one.
 pub(crate) fn synthetic(grid: &Grid, options: &CurvatureOptions) -> (Vec<FaceCurvature>, Vec<Exact>) {
-    let (soup, exact) = grid.build();
+    let Synthetic { soup, exact } = grid.build();
     (values_of(&soup, options), exact)
 }
 

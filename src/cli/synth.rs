@@ -1,0 +1,77 @@
+//! `osculate synth`.
+
+use super::Outcome;
+use super::args::{ShapeArg, SynthArgs};
+use super::messages::Messages;
+use glam::DVec3;
+use osculate::synth::{Grid, RoundedBox, Surface, Synthetic};
+use osculate::{Error, Output};
+use std::io::Write;
+
+pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Error> {
+    check(args)?;
+    // Opened before any work, so that a wrong folder is known at once.
+    let exact = args.exact.as_deref().map(Output::create).transpose()?;
+    let synthetic = build(args);
+    osculate::write_mesh(&synthetic.soup, &args.output)?;
+    if let Some(mut out) = exact {
+        out.write_all(synthetic.exact_csv().as_bytes()).map_err(|e| out.error(e))?;
+        out.finish()?;
+    }
+    messages.info(&format!("{}: {} faces", args.output.display(), synthetic.soup.face_count()));
+    Ok(Outcome::Done)
+}
+
+fn check(args: &SynthArgs) -> Result<(), Error> {
+    let usage = |what: &str| Err(Error::Usage(what.to_owned()));
+    let shortest = args.size.min_element();
+    match args.shape {
+        _ if !(args.radius > 0.0 && args.tube > 0.0 && args.height > 0.0 && shortest > 0.0) => {
+            usage("--radius, --tube, --height and --size must be above 0")
+        }
+        ShapeArg::Torus if args.tube >= args.radius => usage("--tube must be below --radius, or the torus cuts itself"),
+        ShapeArg::FilletBox if !(args.fillet > 0.0 && 2.0 * args.fillet < shortest) => {
+            usage("--fillet must be above 0 and below half the shortest of --size")
+        }
+        _ if !(0.0..0.5).contains(&args.jitter) => {
+            usage("--jitter must be 0 or more and below 0.5, or triangles turn over")
+        }
+        _ if !(args.noise >= 0.0 && args.noise.is_finite()) => usage("--noise must be 0 or more"),
+        _ if !(0.001..=1000.0).contains(&args.aspect) => usage("--aspect must be 0.001 to 1000"),
+        _ if !(4..=100_000_000).contains(&args.faces) => usage("--faces must be 4 to 100000000"),
+        _ => Ok(()),
+    }
+}
+
+fn build(args: &SynthArgs) -> Synthetic {
+    let surface = match args.shape {
+        ShapeArg::Plane => Surface::Plane,
+        ShapeArg::Sphere => Surface::Sphere { radius: args.radius },
+        ShapeArg::Cylinder => Surface::Cylinder { radius: args.radius, height: args.height },
+        ShapeArg::Torus => Surface::Torus { major: args.radius, minor: args.tube },
+        ShapeArg::Ellipsoid => Surface::Ellipsoid { axes: 0.5 * args.size },
+        ShapeArg::Saddle => Surface::Saddle,
+        ShapeArg::MonkeySaddle => Surface::MonkeySaddle,
+        ShapeArg::Wave => Surface::Wave,
+        ShapeArg::Box => return rounded_box(args, 0.0).build(),
+        ShapeArg::FilletBox => return rounded_box(args, args.fillet).build(),
+    };
+    let grid = match args.cells {
+        Some([u, v]) => Grid::new(surface, u, v),
+        None => Grid::with_faces(surface, args.faces, args.aspect),
+    };
+    Grid { jitter: args.jitter, noise: args.noise, seed: args.seed, ..grid }.build()
+}
+
+/// Cells of a flat and of half a fillet: as given, or so that both are about as long.
+fn rounded_box(args: &SynthArgs, fillet: f64) -> RoundedBox {
+    let DVec3 { x, y, z } = args.size;
+    let flat = (x + y + z) / 3.0 - 2.0 * fillet;
+    let arc = std::f64::consts::FRAC_PI_4 * fillet;
+    let [flat_cells, fillet_cells] = args.cells.unwrap_or_else(|| {
+        let across = (args.faces as f64 / 12.0).sqrt();
+        let cell = (flat + 2.0 * arc) / across;
+        [(flat / cell).round().max(1.0) as usize, (arc / cell).round().max(1.0) as usize]
+    });
+    RoundedBox { size: args.size, fillet, flat_cells, fillet_cells, noise: args.noise, seed: args.seed }
+}
