@@ -2,12 +2,13 @@
 
 use crate::annotation::{Annotation, ColorCarrier, Space, Unit};
 use crate::color::{self, ColorScale, Colormap, Range};
-use crate::curvature::{self, CurvatureOptions, Radius};
+use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, OutputFormat};
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
+use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -44,6 +45,8 @@ pub struct AnnotateOptions {
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
     pub unit: Option<Unit>,
+    /// Whether the summary is to have the percentiles of the values, which cost some sorting.
+    pub summarise: bool,
 }
 
 impl Default for AnnotateOptions {
@@ -58,6 +61,7 @@ impl Default for AnnotateOptions {
             carrier: ColorCarrier::Texture,
             up: None,
             unit: None,
+            summarise: true,
         }
     }
 }
@@ -70,6 +74,9 @@ impl AnnotateOptions {
     pub fn check(&self) -> Result<(), Error> {
         self.mesh.check()?;
         self.curvature.check()?;
+        if self.color_by == Some(Quantity::Class) && self.colormap.is_some() {
+            return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
+        }
         self.color_by.map_or(Ok(()), |quantity| color::check(quantity, self.range))
     }
 
@@ -78,7 +85,8 @@ impl AnnotateOptions {
         self.color_by.map(|_| self.carrier)
     }
 
-    fn space(&self, input: InputFormat) -> Result<Space, Error> {
+    /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
+    fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
         if input == InputFormat::Gltf {
             if self.unit.is_some() {
                 return Err(Error::Usage("--unit does not apply to glTF, whose unit is the metre".into()));
@@ -87,15 +95,20 @@ impl AnnotateOptions {
                 return Err(Error::Usage("--up z does not apply to glTF, in which Y is up".into()));
             }
         }
+        if !output.is_gltf() {
+            return Ok(Space::default());
+        }
         let z_up = self.up.map_or(input.is_z_up(), |up| up == UpAxis::Z);
-        Ok(Space { z_up, unit: self.unit })
+        let unit = if input == InputFormat::Gltf { Some(Unit::Metre) } else { self.unit };
+        Ok(Space { z_up, unit })
     }
 
     /// All that is needed to repeat a run, as it stands in files and statistics.
     fn provenance(&self, space: Space) -> Value {
         let curvature = &self.curvature;
         let (radius, radius_factor) = match curvature.radius {
-            Radius::Length(length) => (Some(length), None),
+            Radius::Auto => (Some(json!("auto")), None),
+            Radius::Length(length) => (Some(json!(length)), None),
             Radius::FaceFactor(factor) => (None, Some(format!("{factor}:face"))),
             Radius::MeshFactor(factor) => (None, Some(format!("{factor}:mesh"))),
         };
@@ -109,7 +122,14 @@ impl AnnotateOptions {
             "weld": self.mesh.weld,
             "up": if space.z_up { "z" } else { "y" },
             "unit": space.unit.map(Unit::symbol),
+            "attributes": self.selection,
             "color_by": self.color_by.map(Quantity::token),
+            "colormap": self.colormap.map(Colormap::name),
+            "range": match self.range {
+                Range::Auto => json!("auto"),
+                Range::Fixed(low, high) => json!([low, high]),
+            },
+            "color": self.carrier,
         })
     }
 }
@@ -126,9 +146,11 @@ pub fn annotate(
     progress: &dyn Progress,
 ) -> Result<Summary, Error> {
     options.check()?;
+    destination.check_folder()?;
     let start = Instant::now();
     let (soup, input_format) = io::read(input, progress)?;
-    let space = options.space(input_format)?;
+    let space = options.space(input_format, format)?;
+    destination.check(format, input, &soup)?;
     io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
@@ -154,18 +176,36 @@ pub fn annotate(
         space,
         provenance: options.provenance(space),
     };
+    notes.extend(mesh.report().remarks().into_iter().map(Note::info));
+    notes.extend(note_of_low_coverage(&values));
     notes.extend(annotation.note_of_missing_face_numbers(format));
     io::write(&annotation, format, destination, progress)?;
     let write = start.elapsed();
 
     Ok(Summary {
+        schema: 1,
+        version: env!("CARGO_PKG_VERSION"),
         input: input.display().to_string(),
         format: input_format,
         report: mesh.report().clone(),
         notes,
         settings: annotation.provenance.clone(),
         legend: annotation.legend(),
-        curvature: CurvatureSummary::of(&values),
+        units: annotation.units(),
+        curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
+    })
+}
+
+/// Says so where borders and sharp edges leave many disks less than half.
+fn note_of_low_coverage(values: &[FaceCurvature]) -> Option<Note> {
+    let estimated = values.iter().filter(|v| v.is_estimated());
+    // Flat faces lose nothing by it.
+    let low = estimated.filter(|v| v.coverage < 0.5 && v.class != FaceClass::Flat).count();
+    (10 * low > values.len()).then(|| {
+        Note::info(format!(
+            "{low} of {} faces are not flat and have coverage below 0.5: borders or sharp edges cut most of their disk off; a smaller --radius may tell more of them",
+            values.len()
+        ))
     })
 }

@@ -1,6 +1,6 @@
 //! A mesh with its curvature and everything a writer needs to know.
 
-use crate::color::ColorScale;
+use crate::color::{ColorScale, NOT_ESTIMATED_INDEX, class_index, scale_index};
 use crate::curvature::FaceCurvature;
 use crate::io::OutputFormat;
 use crate::mesh::Mesh;
@@ -139,6 +139,17 @@ impl Annotation<'_> {
         })
     }
 
+    /// The translation of a glTF output's node: the mesh's origin in the output's axes and units, in
+    /// 32 bits, as glTF keeps it.
+    pub(crate) fn node_translation(&self) -> DVec3 {
+        self.space.point(self.mesh.origin()).as_vec3().as_dvec3()
+    }
+
+    /// What 32 bits cut off the origin; positions make up for it.
+    pub(crate) fn translation_remainder(&self) -> DVec3 {
+        self.space.point(self.mesh.origin()) - self.node_translation()
+    }
+
     /// A direction of a face in the output's axes; `None` for other quantities and for a face
     /// without estimate.
     pub(crate) fn turned(&self, quantity: Quantity, value: &FaceCurvature) -> Option<Vec3> {
@@ -160,10 +171,7 @@ impl Annotation<'_> {
         if colors.quantity == Quantity::Class {
             let classes: Vec<Value> = crate::FaceClass::ALL
                 .iter()
-                .map(|class| {
-                    let index = usize::try_from(class.code()).map_or(255, |code| 51 * code + 25);
-                    json!({ "value": class.code(), "name": class.name(), "color": hex(index) })
-                })
+                .map(|class| json!({ "value": class.code(), "name": class.name(), "color": hex(class_index(*class)) }))
                 .collect();
             return Some(json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes }));
         }
@@ -171,8 +179,8 @@ impl Annotation<'_> {
         let stops: Vec<Value> = (0..=STOPS)
             .map(|i| {
                 let share = i as f64 / STOPS as f64;
-                let value = factor * (colors.low + share * (colors.high - colors.low));
-                json!({ "value": value, "color": hex((share * 254.0).round() as usize) })
+                let value = factor * (colors.low * (1.0 - share) + colors.high * share);
+                json!({ "value": value, "color": hex(scale_index(share)) })
             })
             .collect();
         Some(json!({
@@ -181,7 +189,7 @@ impl Annotation<'_> {
             "colormap": colors.map.name(),
             "range": [factor * colors.low, factor * colors.high],
             "clipped_faces": colors.clipped,
-            "not_estimated": hex(255),
+            "not_estimated": hex(NOT_ESTIMATED_INDEX),
             "stops": stops,
         }))
     }
@@ -198,6 +206,15 @@ impl Annotation<'_> {
         }
     }
 
+    /// Units and up axis of the input and the output.
+    pub fn units(&self) -> Value {
+        json!({
+            "input": self.space.unit.map_or("unknown", Unit::symbol),
+            "output": if self.space.unit.is_some() { "m" } else { "unknown" },
+            "input_up": if self.space.z_up { "z" } else { "y" },
+        })
+    }
+
     /// Everything needed to read and to repeat the result, for a mesh's `extras`.
     pub fn extras(&self) -> Value {
         let report = self.mesh.report();
@@ -206,11 +223,7 @@ impl Annotation<'_> {
             "schema": 1,
             "version": env!("CARGO_PKG_VERSION"),
             "settings": self.provenance,
-            "units": {
-                "input": self.space.unit.map_or("file unit", Unit::symbol),
-                "output": if self.space.unit.is_some() { "m" } else { "file unit" },
-                "input_up": if self.space.z_up { "z" } else { "y" },
-            },
+            "units": self.units(),
             "sign": "k is positive where the surface bends away from its normal",
             "not_estimated": "0 everywhere, class -1",
             "classes": crate::FaceClass::ALL.iter().map(|c| (c.code().to_string(), c.name())).collect::<std::collections::BTreeMap<_, _>>(),

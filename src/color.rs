@@ -14,36 +14,30 @@ pub const PALETTE: usize = 256;
 /// Colours that the range is divided into; odd, so that the middle of a range has a colour of its own.
 const SCALE: usize = PALETTE - 1;
 const NOT_ESTIMATED: Rgb = [128, 128, 128];
+/// The last colour of the palette.
+pub(crate) const NOT_ESTIMATED_INDEX: usize = PALETTE - 1;
 
 /// A named colour scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colormap {
     name: &'static str,
-    kind: Kind,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Diverging,
-    Sequential,
-    Categorical,
-}
-
-/// Name, kind, gradient and whether it runs backwards. Blue is low and red is high throughout.
-type Entry = (&'static str, Kind, colorous::Gradient, bool);
+/// Name, gradient and whether it runs backwards. Diverging ones first.
+type Entry = (&'static str, colorous::Gradient, bool);
 
 const GRADIENTS: [Entry; 11] = [
-    ("blue-red", Kind::Diverging, colorous::RED_BLUE, true),
-    ("purple-orange", Kind::Diverging, colorous::PURPLE_ORANGE, true),
-    ("purple-green", Kind::Diverging, colorous::PURPLE_GREEN, false),
-    ("brown-green", Kind::Diverging, colorous::BROWN_GREEN, false),
-    ("viridis", Kind::Sequential, colorous::VIRIDIS, false),
-    ("cividis", Kind::Sequential, colorous::CIVIDIS, false),
-    ("magma", Kind::Sequential, colorous::MAGMA, false),
-    ("inferno", Kind::Sequential, colorous::INFERNO, false),
-    ("plasma", Kind::Sequential, colorous::PLASMA, false),
-    ("turbo", Kind::Sequential, colorous::TURBO, false),
-    ("greys", Kind::Sequential, colorous::GREYS, true),
+    ("blue-red", colorous::RED_BLUE, true),
+    ("purple-orange", colorous::PURPLE_ORANGE, true),
+    ("purple-green", colorous::PURPLE_GREEN, false),
+    ("brown-green", colorous::BROWN_GREEN, false),
+    ("viridis", colorous::VIRIDIS, false),
+    ("cividis", colorous::CIVIDIS, false),
+    ("magma", colorous::MAGMA, false),
+    ("inferno", colorous::INFERNO, false),
+    ("plasma", colorous::PLASMA, false),
+    ("turbo", colorous::TURBO, false),
+    ("greys", colorous::GREYS, true),
 ];
 
 /// Colours of the classes flat to hyperbolic, told apart by the colour-blind too
@@ -66,15 +60,15 @@ impl Colormap {
             let known: Vec<&str> = Colormap::names().collect();
             Error::Usage(format!("unknown colour map \"{name}\"; known are {}", known.join(", ")))
         })?;
-        Ok(Colormap { name: entry.0, kind: entry.1 })
+        Ok(Colormap { name: entry.0 })
     }
 
     /// Diverging for signed quantities, sequential for others, one colour each for classes.
     pub fn default_for(quantity: Quantity) -> Self {
         match quantity {
-            Quantity::Class => Colormap { name: "classes", kind: Kind::Categorical },
-            _ if quantity.is_signed() => Colormap { name: "blue-red", kind: Kind::Diverging },
-            _ => Colormap { name: "viridis", kind: Kind::Sequential },
+            Quantity::Class => Colormap { name: "classes" },
+            _ if quantity.is_signed() => Colormap { name: "blue-red" },
+            _ => Colormap { name: "viridis" },
         }
     }
 
@@ -87,7 +81,7 @@ impl Colormap {
     pub fn palette(self) -> [Rgb; PALETTE] {
         let mut palette = [NOT_ESTIMATED; PALETTE];
         match GRADIENTS.iter().find(|entry| entry.0 == self.name) {
-            Some((_, _, gradient, backwards)) => {
+            Some((_, gradient, backwards)) => {
                 for (i, color) in palette[..SCALE].iter_mut().enumerate() {
                     let at = i as f64 / (SCALE - 1) as f64;
                     let rgb = gradient.eval_continuous(if *backwards { 1.0 - at } else { at });
@@ -172,20 +166,24 @@ impl ColorScale {
     pub fn color_index(&self, of: &FaceCurvature) -> usize {
         let value = f64::from(self.quantity.value(Face(0), of, 0));
         if !of.is_estimated() || value.is_nan() {
-            return PALETTE - 1;
+            return NOT_ESTIMATED_INDEX;
         }
         if self.quantity == Quantity::Class {
             return class_index(of.class);
         }
-        let at = (value - self.low) / (self.high - self.low);
-        (at * (SCALE - 1) as f64).round().clamp(0.0, (SCALE - 1) as f64) as usize
+        scale_index((value - self.low) / (self.high - self.low))
     }
 }
 
+/// The colour at a share of the range, 0 to 1; beyond, that of the nearer end.
+pub(crate) fn scale_index(share: f64) -> usize {
+    (share * (SCALE - 1) as f64).round().clamp(0.0, (SCALE - 1) as f64) as usize
+}
+
 /// The middle of a class's band in the palette.
-fn class_index(class: FaceClass) -> usize {
+pub(crate) fn class_index(class: FaceClass) -> usize {
     let band = SCALE / CLASSES.len();
-    usize::try_from(class.code()).map_or(PALETTE - 1, |code| band * code + band / 2)
+    usize::try_from(class.code()).map_or(NOT_ESTIMATED_INDEX, |code| band * code + band / 2)
 }
 
 /// Refuses quantities and ranges that make no scale.
@@ -198,6 +196,9 @@ pub(crate) fn check(quantity: Quantity, range: Range) -> Result<(), Error> {
         return Err(Error::Usage(format!("faces cannot be coloured by {}", quantity.token())));
     }
     match range {
+        Range::Fixed(..) if quantity == Quantity::Class => {
+            Err(Error::Usage("classes have no range; leave --range out".into()))
+        }
         Range::Fixed(low, high) if !(low < high && low.is_finite() && high.is_finite()) => {
             Err(Error::Usage(format!("the range {low}:{high} is empty or reversed; give the lower value first")))
         }

@@ -1,7 +1,8 @@
 //! The paper's geodesic disk: legs walked from a face's centre in evenly spaced normal planes.
 
 use crate::mesh::{Face, Mesh};
-use crate::section::{Crossing, Plane, Stop};
+use crate::place::Place;
+use crate::section::{Crossing, Features, Plane, Stop};
 use glam::{DVec2, DVec3};
 
 /// A face's own frame: its centre, its oriented unit normal and two tangent axes.
@@ -20,13 +21,33 @@ pub struct Frame {
 impl Frame {
     /// The frame at a face's barycentre; `None` for a face without area.
     pub fn at_barycentre(mesh: &Mesh, face: Face) -> Option<Self> {
+        Frame::around(mesh, face, mesh.barycentre(face))
+    }
+
+    /// The frame at a place on the mesh; `None` for a face without area.
+    ///
+    /// On an edge or a corner the section through the centre has no first face of its own, so the
+    /// centre keeps a millionth of the face's size away from them.
+    pub fn at(mesh: &Mesh, place: Place) -> Option<Self> {
+        const INSIDE: f64 = 1e-6;
+        let kept = place.weights.map(|w| w.max(INSIDE));
+        let sum: f64 = kept.iter().sum();
+        Frame::around(mesh, place.face, mesh.point(Place { face: place.face, weights: kept.map(|w| w / sum) }))
+    }
+
+    fn around(mesh: &Mesh, face: Face, centre: DVec3) -> Option<Self> {
         let normal = mesh.normal(face);
         let [a, b, c] = mesh.triangle(face);
         let longest = [b - a, c - b, a - c]
             .into_iter()
             .reduce(|l, e| if e.length_squared() > l.length_squared() { e } else { l })?;
         let x = (longest - longest.dot(normal) * normal).try_normalize()?;
-        (normal != DVec3::ZERO).then(|| Frame { centre: mesh.barycentre(face), normal, x, y: normal.cross(x) })
+        (normal != DVec3::ZERO).then(|| Frame { centre, normal, x, y: normal.cross(x) })
+    }
+
+    /// A point given in the plane coordinates of a direction.
+    pub fn lift(&self, direction: DVec3, p: DVec2) -> DVec3 {
+        self.centre + p.x * direction + p.y * self.normal
     }
 
     /// The unit tangent at an angle (radians) from `x` towards `y`.
@@ -55,6 +76,8 @@ pub struct Leg {
     /// Sums of p m and p m^2 over the segments after the first, where p is the part of a segment
     /// that belongs to the leg and m the distance of the whole segment's middle from the centre.
     pub moments: [f64; 2],
+    /// The face it ended in.
+    pub face: Face,
     /// Why it ended.
     pub stop: Stop,
 }
@@ -92,7 +115,8 @@ impl Disk {
         let step = std::f64::consts::PI / diameters as f64;
         for turn in [1.0, -1.0] {
             self.legs.extend(
-                (0..diameters).map(|i| leg(mesh, face, frame, turn * frame.direction(i as f64 * step), radius)),
+                (0..diameters)
+                    .map(|i| Leg::walk(mesh, face, frame, turn * frame.direction(i as f64 * step), radius, |_| {})),
             );
         }
     }
@@ -131,64 +155,85 @@ impl Default for Disk {
     }
 }
 
-fn leg(mesh: &Mesh, face: Face, frame: &Frame, direction: DVec3, radius: f64) -> Leg {
-    let plane = Plane { point: frame.centre, normal: frame.normal.cross(direction) };
-    let in_plane = |p: DVec3| {
-        let d = p - frame.centre;
-        DVec2::new(d.dot(direction), d.dot(frame.normal))
-    };
-    let mut leg = Leg {
-        end: DVec2::ZERO,
-        tangent: DVec2::X,
-        length: 0.0,
-        excess: 0.0,
-        first: 0.0,
-        moments: [0.0; 2],
-        stop: Stop::Missed,
-    };
-    let Some(mut crossing) = Crossing::leaving(mesh, &plane, face) else { return leg };
-    let mut is_first = true;
-    loop {
-        let point = in_plane(crossing.point);
-        let step = point - leg.end;
-        let whole = step.length();
-        let room = radius - leg.length;
-        let used = if whole < room { whole } else { room };
-        if is_first {
-            leg.first = whole;
-            is_first = false;
-        } else {
-            let middle = leg.length + 0.5 * whole;
-            leg.moments[0] += used * middle;
-            leg.moments[1] += used * middle * middle;
-        }
-        if whole > 0.0 {
-            leg.tangent = step / whole;
-        }
-        leg.excess += used * versine(leg.tangent);
-        if whole >= room {
-            leg.end += room * leg.tangent;
-            leg.length = radius;
-            leg.stop = Stop::Length;
-            return leg;
-        }
-        leg.end = point;
-        leg.length += whole;
-        match crossing.advance(mesh, &plane) {
-            Ok(next) if next.half_edge.face() == face => {
-                leg.stop = Stop::Closed;
+impl Leg {
+    /// Walks from the frame's centre, which must lie in `face`, along the unit tangent `direction`
+    /// for at most `radius`. `visit` is given every point after the centre, in plane coordinates.
+    pub fn walk(
+        mesh: &Mesh,
+        face: Face,
+        frame: &Frame,
+        direction: DVec3,
+        radius: f64,
+        mut visit: impl FnMut(DVec2),
+    ) -> Leg {
+        let plane = Plane { point: frame.centre, normal: frame.normal.cross(direction) };
+        let in_plane = |p: DVec3| {
+            let d = p - frame.centre;
+            DVec2::new(d.dot(direction), d.dot(frame.normal))
+        };
+        let mut leg = Leg {
+            end: DVec2::ZERO,
+            tangent: DVec2::X,
+            length: 0.0,
+            excess: 0.0,
+            first: 0.0,
+            moments: [0.0; 2],
+            face,
+            stop: Stop::Missed,
+        };
+        let Some(mut crossing) = Crossing::leaving(mesh, &plane, face) else { return leg };
+        let mut is_first = true;
+        loop {
+            let point = in_plane(crossing.point);
+            let step = point - leg.end;
+            let whole = step.length();
+            let room = radius - leg.length;
+            let used = if whole < room { whole } else { room };
+            if whole > 0.0 {
+                let tangent = step / whole;
+                if tangent.x <= 0.0 {
+                    leg.stop = Stop::Turned;
+                    return leg;
+                }
+                leg.tangent = tangent;
+            }
+            if is_first {
+                leg.first = whole;
+                is_first = false;
+            } else {
+                let middle = leg.length + 0.5 * whole;
+                leg.moments[0] += used * middle;
+                leg.moments[1] += used * middle * middle;
+            }
+            leg.excess += used * versine(leg.tangent);
+            leg.face = crossing.half_edge.face();
+            if whole >= room {
+                leg.end += room * leg.tangent;
+                leg.length = radius;
+                leg.stop = Stop::Length;
+                visit(leg.end);
                 return leg;
             }
-            Ok(next) => crossing = next,
-            Err(stop) => {
-                leg.stop = stop;
-                return leg;
+            leg.end = point;
+            leg.length += whole;
+            visit(point);
+            match crossing.advance(mesh, &plane, Features::Stop) {
+                Ok(next) if next.half_edge.face() == face => {
+                    leg.stop = Stop::Closed;
+                    return leg;
+                }
+                Ok(next) => crossing = next,
+                Err(stop) => {
+                    leg.stop = stop;
+                    return leg;
+                }
             }
         }
     }
 }
 
-/// 1 - cos of the angle between a unit vector and the u axis, without cancellation near zero.
+/// 1 - cos of the angle between a unit vector and the u axis, below a right angle, without
+/// cancellation near zero.
 fn versine(tangent: DVec2) -> f64 {
-    if tangent.x > 0.0 { tangent.y * tangent.y / (1.0 + tangent.x) } else { 1.0 - tangent.x }
+    tangent.y * tangent.y / (1.0 + tangent.x)
 }

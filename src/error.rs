@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// A place inside a file, as exact as its format allows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePlace {
     /// The file as a whole.
     File,
     /// A line of a text file, counted from 1.
@@ -17,13 +17,13 @@ pub enum Place {
     Json(String),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::File => Ok(()),
-            Place::Line(n) => write!(f, "line {n}: "),
-            Place::Byte(n) => write!(f, "byte {n}: "),
-            Place::Json(path) => write!(f, "{path}: "),
+            FilePlace::File => Ok(()),
+            FilePlace::Line(n) => write!(f, "line {n}: "),
+            FilePlace::Byte(n) => write!(f, "byte {n}: "),
+            FilePlace::Json(path) => write!(f, "{path}: "),
         }
     }
 }
@@ -33,7 +33,7 @@ impl fmt::Display for Place {
 #[error("{place}{what}")]
 pub struct ParseError {
     /// Where in the file.
-    pub place: Place,
+    pub place: FilePlace,
     /// What is wrong and, where there is a remedy, what to do: one sentence without a full stop.
     pub what: String,
 }
@@ -41,22 +41,22 @@ pub struct ParseError {
 impl ParseError {
     /// A parse error about the file as a whole.
     pub fn file(what: impl Into<String>) -> Self {
-        ParseError { place: Place::File, what: what.into() }
+        ParseError { place: FilePlace::File, what: what.into() }
     }
 
     /// A parse error on a line, counted from 1.
     pub fn line(line: u64, what: impl Into<String>) -> Self {
-        ParseError { place: Place::Line(line), what: what.into() }
+        ParseError { place: FilePlace::Line(line), what: what.into() }
     }
 
     /// A parse error at a byte offset.
     pub fn byte(offset: u64, what: impl Into<String>) -> Self {
-        ParseError { place: Place::Byte(offset), what: what.into() }
+        ParseError { place: FilePlace::Byte(offset), what: what.into() }
     }
 
     /// A parse error at a path of a JSON document.
     pub fn json(path: impl Into<String>, what: impl Into<String>) -> Self {
-        ParseError { place: Place::Json(path.into()), what: what.into() }
+        ParseError { place: FilePlace::Json(path.into()), what: what.into() }
     }
 }
 
@@ -88,6 +88,9 @@ pub enum Error {
     /// The mesh does not fit what the output format can hold.
     #[error("{0}")]
     TooLarge(String),
+    /// An output that exists and is to be kept.
+    #[error("{} exists; remove it, or allow it to be replaced", .0.display())]
+    Exists(PathBuf),
     /// An option that contradicts the input, the output or another option.
     #[error("{0}")]
     Usage(String),

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::io::{self, InputFormat};
-use crate::mesh::{Bounds, Face, HalfEdge, Mesh, MeshOptions, MeshReport};
+use crate::mesh::{Bounds, Face, FaceState, HalfEdge, Mesh, MeshOptions, MeshReport};
 use crate::progress::Progress;
 use crate::soup::{Note, Scene, Transform};
 use glam::{DMat4, DQuat, DVec3};
@@ -83,7 +83,7 @@ pub fn inspect(input: &Path, options: &MeshOptions, progress: &dyn Progress) -> 
         groups: soup.groups.len(),
         scene: mesh.scene().map(|scene| summarise(scene, &mesh)),
         feature_angle: options.feature_angle,
-        notes: soup.notes,
+        notes: soup.notes.into_iter().chain(report.remarks().into_iter().map(Note::info)).collect(),
         report,
     })
 }
@@ -102,6 +102,7 @@ fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
         .map(HalfEdge)
         // An edge with two faces is measured from one of them.
         .filter(|&h| topology.twin(h).is_none_or(|twin| h < twin))
+        .filter(|&h| matches!(mesh.face_state(h.face()), FaceState::Sound | FaceState::NoArea))
         .map(|h| mesh.position(topology.origin(h)).distance(mesh.position(topology.target(h))))
         .filter(|length| length.is_finite())
         .collect();
@@ -115,19 +116,11 @@ fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
 fn suggestions(report: &MeshReport, lengths: Option<EdgeLengths>, options: &MeshOptions) -> Vec<String> {
     let mut all = Vec::new();
     let (Some(lengths), Some(bounds)) = (lengths, report.bounds) else { return all };
-    // A mesh most of whose edges are open is a soup whose corners differ in their last digits.
-    let edges = &report.edges;
-    let total = edges.inner + edges.feature + edges.boundary + edges.non_manifold;
-    if options.weld == 0.0 && report.faces > 10 && 2 * edges.boundary > total {
+    // Faces that all stand apart are a soup whose corners differ in their last digits.
+    if options.weld == 0.0 && report.faces > 10 && 2 * report.components > report.faces && lengths.p5 > 0.0 {
         let distance = (0.1 * lengths.p5).min(1e-5 * bounds.size().length());
         all.push(format!(
-            "most edges have one face only: the corners may differ in their last digits; try --weld {distance:.1e}"
-        ));
-    }
-    if report.inside_out_components > 0 {
-        all.push(format!(
-            "{} closed components have normals that point inwards: their curvature has the opposite sign",
-            report.inside_out_components
+            "most faces have no neighbour: their corners may differ in their last digits; try --weld {distance:.1e}"
         ));
     }
     all

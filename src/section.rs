@@ -20,10 +20,21 @@ pub enum Stop {
     Feature,
     /// The edge has three or more faces.
     NonManifold,
+    /// A disk's leg has turned by a right angle: further on it says nothing of its centre.
+    Turned,
     /// The section is a closed loop and is back at the face it started from.
     Closed,
     /// The plane misses the face, to the precision of its coordinates.
     Missed,
+}
+
+/// Whether a walk ends at feature edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Features {
+    /// A feature edge ends the walk.
+    Stop,
+    /// A feature edge is crossed like any other.
+    Cross,
 }
 
 /// A plane through a point, given by its unit normal.
@@ -70,19 +81,29 @@ impl Crossing {
     }
 
     /// Leaves `face` by the edge that has the plane's upper side on its left, seen against the
-    /// face's oriented normal: the walk goes in the direction plane normal x face normal, negated.
+    /// face's oriented normal: the walk goes in the direction plane normal x face normal.
     ///
     /// `None` when the plane misses the face.
+    #[inline]
     pub fn leaving(mesh: &Mesh, plane: &Plane, face: Face) -> Option<Self> {
-        let topology = mesh.topology();
-        let ends = topology.corners(face).map(|vertex| {
+        Crossing::where_crossed(mesh, plane, face, mesh.is_flipped(face))
+    }
+
+    /// Leaves `face` by its other crossed edge, the one that [`Crossing::leaving`] does not take.
+    pub fn leaving_backwards(mesh: &Mesh, plane: &Plane, face: Face) -> Option<Self> {
+        Crossing::where_crossed(mesh, plane, face, !mesh.is_flipped(face))
+    }
+
+    /// The edge that rises through the plane along the face's winding, or falls through it.
+    #[inline]
+    fn where_crossed(mesh: &Mesh, plane: &Plane, face: Face, falling: bool) -> Option<Self> {
+        let ends = mesh.topology().corners(face).map(|vertex| {
             let position = mesh.position(vertex);
             End { vertex, position, distance: plane.distance(position) }
         });
-        let flipped = mesh.is_flipped(face);
         face.half_edges().into_iter().enumerate().find_map(|(i, h)| {
             let (a, b) = (ends[i], ends[(i + 1) % 3]);
-            let (below, above) = if flipped { (b, a) } else { (a, b) };
+            let (below, above) = if falling { (b, a) } else { (a, b) };
             (below.distance < 0.0 && above.distance >= 0.0).then(|| Crossing::new(h, below, above))
         })
     }
@@ -92,9 +113,10 @@ impl Crossing {
     /// # Errors
     /// The reason why the walk ends here.
     #[inline]
-    pub fn advance(&self, mesh: &Mesh, plane: &Plane) -> Result<Self, Stop> {
+    pub fn advance(&self, mesh: &Mesh, plane: &Plane, features: Features) -> Result<Self, Stop> {
         match mesh.edge_kind(self.half_edge) {
             EdgeKind::Inner => {}
+            EdgeKind::Feature if features == Features::Cross => {}
             EdgeKind::Boundary => return Err(Stop::Boundary),
             EdgeKind::Feature => return Err(Stop::Feature),
             EdgeKind::NonManifold => return Err(Stop::NonManifold),
@@ -141,7 +163,7 @@ mod tests {
         let first = Crossing::leaving(mesh, plane, start).expect("the plane meets the face");
         let (mut at, mut length) = (first, 0.0);
         for steps in 1..=mesh.face_count() {
-            let next = at.advance(mesh, plane).expect("the mesh is closed");
+            let next = at.advance(mesh, plane, Features::Stop).expect("the mesh is closed");
             length += at.point.distance(next.point);
             at = next;
             if at.half_edge == first.half_edge {

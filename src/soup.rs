@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use std::ops::Range;
+use std::path::PathBuf;
 
 /// Vertex positions in the width the file stores them.
 ///
@@ -130,6 +131,8 @@ pub struct Soup {
     pub scene: Option<Scene>,
     /// What the reader repaired, skipped or wants to mention.
     pub notes: Vec<Note>,
+    /// Files besides the input that were read, such as a glTF's buffers.
+    pub files: Vec<PathBuf>,
 }
 
 impl Soup {
@@ -147,6 +150,7 @@ impl Soup {
             groups: Vec::new(),
             scene: None,
             notes: Vec::new(),
+            files: Vec::new(),
         }
     }
 

@@ -109,6 +109,10 @@ fn percentiles(quantity: Quantity, values: &[FaceCurvature]) -> Option<Percentil
 /// Everything about one run; serialises to the object that `--stats` writes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// Version of this object's layout.
+    pub schema: u32,
+    /// Version of the program.
+    pub version: &'static str,
     /// The input file.
     pub input: String,
     /// Its format.
@@ -120,12 +124,14 @@ pub struct Summary {
     pub notes: Vec<Note>,
     /// All settings.
     pub settings: Value,
-    /// Colour scale, if any.
+    /// Colour scale, if any, in the units of the output.
     pub legend: Option<Value>,
+    /// Units of the input, in which counts, bounds and percentiles are, and of the output.
+    pub units: Value,
     /// Wall-clock seconds.
     pub seconds: Seconds,
-    /// The values.
-    pub curvature: CurvatureSummary,
+    /// The values, in the units of the input, where a summary was asked for.
+    pub curvature: Option<CurvatureSummary>,
 }
 
 impl Summary {

@@ -6,8 +6,8 @@
 
 use glam::{DVec2, DVec3};
 
-/// Above this many corners a concave polygon becomes a fan: ear clipping takes quadratic time.
-const MOST_EARS: usize = 10_000;
+/// Above this many corners a concave polygon becomes a fan: in the worst case ear clipping takes cubic time.
+const MOST_EARS: usize = 1000;
 
 /// How [`triangulate`] went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,26 +65,23 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 
 fn clip_ears(corners: &[u32], flat: &[DVec2], out: &mut Vec<[u32; 3]>) -> Outcome {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
-    let mut outcome = Outcome::Exact;
     let mut at = 0;
     while rest.len() > 3 {
         let n = rest.len();
         let around = |i: usize| [rest[(i + n - 1) % n], rest[i % n], rest[(i + 1) % n]];
         // Going on from the last ear spreads the triangles instead of fanning around one corner.
-        let ear = (at..at + n).find(|&i| is_ear(&rest, flat, around(i))).unwrap_or_else(|| {
-            outcome = Outcome::Rough;
-            at
-        });
+        let Some(ear) = (at..at + n).find(|&i| is_ear(&rest, flat, around(i))) else {
+            // The outline crosses itself: no rule makes sense of the rest.
+            out.extend((1..n - 1).map(|i| [rest[0], rest[i], rest[i + 1]].map(|i| corners[i])));
+            return Outcome::Rough;
+        };
         out.push(around(ear).map(|i| corners[i]));
         rest.remove(ear % n);
         at = ear % n % (n - 1);
     }
     let last = [rest[0], rest[1], rest[2]];
-    if turn(flat[last[0]], flat[last[1]], flat[last[2]]) <= 0.0 {
-        outcome = Outcome::Rough;
-    }
     out.push(last.map(|i| corners[i]));
-    outcome
+    if turn(flat[last[0]], flat[last[1]], flat[last[2]]) > 0.0 { Outcome::Exact } else { Outcome::Rough }
 }
 
 /// True when the corner's triangle has an area and no other corner lies in it or on its rim.

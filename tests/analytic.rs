@@ -4,12 +4,13 @@ mod common;
 
 use common::{percentile, size, synthetic};
 use osculate::synth::{Grid, Surface};
-use osculate::{CurvatureOptions, Estimator, FaceClass};
+use osculate::{CurvatureOptions, Estimator, FaceClass, Radius};
 
 const TORUS: Surface = Surface::Torus { major: 3.0, minor: 1.0 };
 
+/// The radius factor that the paper uses for dense meshes.
 fn with(estimator: Estimator) -> CurvatureOptions {
-    CurvatureOptions { estimator, ..CurvatureOptions::default() }
+    CurvatureOptions { estimator, radius: Radius::FaceFactor(3.0), ..CurvatureOptions::default() }
 }
 
 /// Median errors of k_max, of k_min, of K and of formula (3), in percent of the face's largest
@@ -38,10 +39,22 @@ fn a_plane_has_no_curvature() {
 }
 
 #[test]
+fn a_tilted_plane_has_none_either() {
+    let soup = Grid { jitter: 0.3, ..Grid::new(Surface::Plane, 12, 12) }.build().soup;
+    let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
+    let points = (0..soup.positions.len()).map(|v| (turn * soup.positions.get(v)).to_array()).collect();
+    let soup = osculate::Soup::new(osculate::Positions::F64(points), soup.triangles);
+    for value in common::values_of(&soup, &CurvatureOptions::default()) {
+        assert!(value.k_max.abs() < 1e-6 && value.k_min.abs() < 1e-6 && value.class == FaceClass::Flat, "{value:?}");
+        assert!(value.gauss_perimeter.is_nan() || value.gauss_perimeter.abs() < 1e-9, "{value:?}");
+    }
+}
+
+#[test]
 fn a_sphere_has_its_radius_everywhere_and_bends_away_from_its_normals() {
     for radius in [0.5, 20.0] {
         let grid = Grid::new(Surface::Sphere { radius }, 64, 32);
-        let [max, min, gauss, perimeter] = medians(&grid, &CurvatureOptions::default());
+        let [max, min, gauss, perimeter] = medians(&grid, &with(Estimator::Osculating));
         assert!(max < 2.0 && min < 1.0 && gauss < 2.0 && perimeter < 2.0, "{max} {min} {gauss} {perimeter}");
         let (values, _) = synthetic(&grid, &CurvatureOptions::default());
         assert!(values.iter().all(|v| v.k_min > 0.0 && v.is_estimated()));
@@ -64,10 +77,42 @@ fn a_cylinder_bends_around_and_not_along() {
 
 #[test]
 fn the_torus_of_the_measures_is_within_one_percent() {
-    let [max, _, gauss, perimeter] = medians(&Grid::new(TORUS, 120, 48), &CurvatureOptions::default());
+    let [max, _, gauss, perimeter] = medians(&Grid::new(TORUS, 120, 48), &with(Estimator::Osculating));
     assert!(max <= 1.0, "k_max: {max} %");
     assert!(gauss <= 1.5, "K: {gauss} %");
     assert!(perimeter <= 2.0, "K by the perimeter: {perimeter} %");
+}
+
+/// Long facets from rim to rim, a coarse cylinder, an ordinary torus: one setting for all.
+#[test]
+fn the_automatic_radius_fits_dense_meshes_and_long_facets() {
+    for (surface, u, v) in [
+        (Surface::Cylinder { radius: 1.0, height: 0.5 }, 64, 1),
+        (Surface::Cylinder { radius: 1.0, height: 4.0 }, 64, 1),
+        (Surface::Cylinder { radius: 1.0, height: 40.0 }, 64, 1),
+        (Surface::Cylinder { radius: 10.0, height: 20.0 }, 48, 1),
+        (Surface::Cylinder { radius: 1.0, height: 4.0 }, 2000, 1),
+        (TORUS, 120, 48),
+        (TORUS, 400, 40),
+    ] {
+        let (values, exact) = synthetic(&Grid::new(surface, u, v), &CurvatureOptions::default());
+        let faces = || values.iter().zip(&exact);
+        let max = percentile(faces().map(|(v, e)| (f64::from(v.k_max) - e.k_max).abs() / size(e)), 0.5);
+        let min = percentile(faces().map(|(v, e)| (f64::from(v.k_min) - e.k_min).abs() / size(e)), 0.5);
+        assert!(max < 4.0 && min < 6.0, "{surface:?} {u} x {v}: {max} {min}");
+    }
+}
+
+/// A radius far beyond what a disk can show is cut where its legs have turned by a right angle.
+#[test]
+fn a_disk_does_not_go_round_the_ball() {
+    for radius in [1.0, 2.0, 4.0, 100.0] {
+        let options = CurvatureOptions { radius: Radius::Length(radius), ..CurvatureOptions::default() };
+        let (values, _) = synthetic(&Grid::new(Surface::Sphere { radius: 1.0 }, 48, 24), &options);
+        for value in values {
+            assert!((value.k_max - 1.0).abs() < 0.1 && (value.k_min - 1.0).abs() < 0.1, "{radius}: {value:?}");
+        }
+    }
 }
 
 #[test]
@@ -149,4 +194,47 @@ fn one_triangle_is_a_flat_mesh() {
     );
     let [value] = common::values_of(&soup, &CurvatureOptions::default())[..] else { panic!("one face") };
     assert_eq!((value.k_max, value.k_min, value.class, value.coverage), (0.0, 0.0, FaceClass::Flat, 0.0));
+}
+
+/// Three mean edges of the mesh are as long as three mean edges of a face where all faces are alike.
+#[test]
+fn a_factor_of_the_mesh_is_one_of_the_face_on_an_even_mesh() {
+    let grid = Grid::new(Surface::Plane, 10, 10);
+    let with = |radius| synthetic(&grid, &CurvatureOptions { radius, ..CurvatureOptions::default() }).0;
+    for (a, b) in with(Radius::MeshFactor(2.0)).iter().zip(with(Radius::FaceFactor(2.0))) {
+        assert!(
+            (a.radius - b.radius).abs() < 1e-6 && (a.radius - 2.0 * (0.4 + 0.2 * 2.0_f32.sqrt()) / 3.0).abs() < 1e-5
+        );
+    }
+}
+
+/// Half of the disk at a straight border is there.
+#[test]
+fn coverage_is_the_share_of_whole_legs() {
+    let options = CurvatureOptions { radius: Radius::Length(0.2), ..CurvatureOptions::default() };
+    let (values, _) = synthetic(&Grid::new(Surface::Plane, 40, 40), &options);
+    assert!(values.iter().filter(|v| v.coverage == 1.0).count() > 1800);
+    let at_border = values[40].coverage;
+    assert!((0.45..0.65).contains(&at_border), "{at_border}");
+}
+
+#[test]
+fn edges_towards_and_away_from_the_viewer_are_told_apart() {
+    use osculate::{Face, HalfEdge};
+    let mesh = common::mesh_of(&Grid::new(Surface::Sphere { radius: 1.0 }, 24, 12).build().soup);
+    let view = glam::DVec3::X;
+    let silhouette: Vec<HalfEdge> =
+        (0..3 * mesh.face_count() as u32).map(HalfEdge).filter(|&h| mesh.is_silhouette(h, view)).collect();
+    assert!(silhouette.len() >= 40 && silhouette.len().is_multiple_of(2), "{}", silhouette.len());
+    for h in silhouette {
+        let p = mesh.position(mesh.topology().origin(h));
+        assert!(p.x.abs() < 0.3, "the outline of a ball is far from {p}");
+    }
+    assert_eq!(mesh.report().inside_out_components, 0);
+    let soup = Grid::new(Surface::Sphere { radius: 1.0 }, 24, 12).build().soup;
+    let inverted =
+        osculate::Soup::new(soup.positions.clone(), soup.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect());
+    let inverted = common::mesh_of(&inverted);
+    assert_eq!(inverted.report().inside_out_components, 1);
+    assert!(inverted.normal(Face(100)).dot(inverted.barycentre(Face(100))) < 0.0, "it is reported, not turned");
 }

@@ -44,6 +44,11 @@ fn every_fixture_holds_what_its_readme_says() {
         let mesh = common::mesh_of(&soup);
         let r = mesh.report();
         let edges = r.edges.inner + r.edges.feature;
+        if name.starts_with("cylinder") || name.starts_with("sphere") {
+            // The caps of the cylinder meet its side at right angles all around; nothing else is sharp.
+            let rims = mesh_rims(&mesh);
+            assert_eq!(r.edges.feature, rims, "{name}");
+        }
         let facts = [r.faces, r.vertices, r.degenerate_faces, edges, r.edges.boundary, r.boundary_loops, r.components];
         assert_eq!(facts, expected, "{name}");
         let others =
@@ -122,4 +127,15 @@ fn a_scene_is_placed_by_its_nodes() {
         let actual: Vec<f64> = bounds.min.to_array().into_iter().chain(bounds.max.to_array()).collect();
         assert!(actual.iter().zip(expected).all(|(a, e)| (a - e).abs() < 1e-4), "{actual:?}");
     }
+}
+
+/// Edges between a horizontal and an upright face.
+fn mesh_rims(mesh: &Mesh) -> usize {
+    let flat = |f: osculate::Face| mesh.normal(f).z.abs() > 0.99;
+    let topology = mesh.topology();
+    (0..3 * mesh.face_count() as u32)
+        .map(osculate::HalfEdge)
+        .filter(|&h| topology.twin(h).is_some_and(|t| h < t && flat(h.face()) != flat(t.face())))
+        .filter(|&h| mesh.dihedral_angle(h).is_some_and(|angle| angle > 1.0))
+        .count()
 }

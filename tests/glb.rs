@@ -200,8 +200,10 @@ fn georeferenced_coordinates_keep_their_detail() {
         csv(&output)
     };
     let (a, b) = (values(&near), values(&far));
+    // Coordinates there are 1e-9 apart; where a section hardly bends, its curvature goes with the root
+    // of what its length differs by.
     for (a, b) in a["k_max"].iter().zip(&b["k_max"]) {
-        assert!((a - b).abs() < 1e-4 * (1.0 + a.abs()), "{a} and {b}");
+        assert!((a - b).abs() < 1e-3 * (1.0 + a.abs()), "{a} and {b}");
     }
     let output = far.with_extension("glb");
     annotate(far.to_str().expect("text"), &output, &[]);
@@ -215,4 +217,77 @@ fn georeferenced_coordinates_keep_their_detail() {
     let p = glb.floats(&glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]);
     assert!(p.iter().all(|c| c.abs() < 10.0));
     assert!((translation[0] + f64::from(p[0]) - 4_500_000.0).abs() < 1e-3, "{translation:?}");
+}
+
+/// More faces than a thread or a block of the writers takes at a time: order and threads matter here.
+#[test]
+fn large_files_keep_the_order_of_faces_whatever_the_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let grid = osculate::synth::Grid {
+        jitter: 0.3,
+        ..osculate::synth::Grid::new(osculate::synth::Surface::Torus { major: 3.0, minor: 1.0 }, 300, 100)
+    };
+    osculate::write_mesh(&grid.build().soup, &path("torus.ply")).expect("written");
+    let input = path("torus.ply");
+    let input = input.to_str().expect("text");
+    annotate(input, &path("1.glb"), &["-j", "1"]);
+    annotate(input, &path("3.glb"), &["-j", "3"]);
+    assert!(fs::read(path("1.glb")).expect("a GLB") == fs::read(path("3.glb")).expect("a GLB"));
+    annotate(input, &path("1.csv"), &["-j", "1"]);
+    annotate(input, &path("3.csv"), &["-j", "3"]);
+    assert!(fs::read(path("1.csv")).expect("a CSV") == fs::read(path("3.csv")).expect("a CSV"));
+    let glb = Glb::parse(&fs::read(path("3.glb")).expect("a GLB"));
+    let csv = csv(&path("3.csv"));
+    assert_eq!(csv["face"].len(), 60_000);
+    let get = |name: &str| glb.floats(&glb.json["meshes"][0]["primitives"][0]["attributes"][name]);
+    let k_max: Vec<f32> = get("_CURVATURE_MAX").into_iter().step_by(3).collect();
+    assert!(k_max == csv["k_max"]);
+
+    // The palette: its colour at a face's coordinate is the legend's at the face's value.
+    let legend = &glb.json["meshes"][0]["extras"]["osculate"]["legend"];
+    let high = legend["range"][1].as_f64().expect("a range");
+    for (uv, mean) in get("TEXCOORD_0").chunks_exact(6).zip(&csv["mean"]) {
+        let share = (0.5 + 0.5 * f64::from(*mean) / high).clamp(0.0, 1.0);
+        assert!((f64::from(uv[0]) * 256.0 - 0.5 - share * 254.0).abs() <= 0.51, "{mean}");
+    }
+
+    // PLY: quality and colour of every face.
+    annotate(input, &path("out.ply"), &["--color-by", "k_max"]);
+    let ply = fs::read(path("out.ply")).expect("a PLY");
+    let body = ply.windows(11).position(|w| w == b"end_header\n").expect("a header") + 11;
+    let header = String::from_utf8_lossy(&ply[..body]).into_owned();
+    let faces = body + 30_000 * 12;
+    let row = (ply.len() - faces) / 60_000;
+    assert!(
+        header.contains("element vertex 30000\n") && header.contains("property float quality\nproperty uchar red\n")
+    );
+    for (f, bytes) in ply[faces..].chunks_exact(row).enumerate() {
+        let quality = f32::from_le_bytes(bytes[13..17].try_into().expect("4 bytes"));
+        assert_eq!((bytes[0], quality), (3, csv["k_max"][f]), "face {f}");
+        assert_eq!((bytes[20], bytes[21] as i8), (255, csv["class"][f] as i8), "face {f}");
+    }
+}
+
+/// Vertex colours: sRGB bytes, or the linear light of them.
+#[test]
+fn vertex_colours_are_in_the_light_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let colors = |carrier: &str| {
+        let path = folder.path().join(format!("{carrier}.glb"));
+        annotate("suzanne.stl", &path, &["--color", carrier]);
+        let glb = Glb::parse(&fs::read(path).expect("a GLB"));
+        let index = glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"].as_u64().expect("colours") as usize;
+        let accessor = &glb.json["accessors"][index];
+        assert_eq!((&accessor["componentType"], &accessor["normalized"]), (&5121.into(), &true.into()));
+        let view = &glb.json["bufferViews"][accessor["bufferView"].as_u64().expect("a view") as usize];
+        let start = view["byteOffset"].as_u64().expect("an offset") as usize;
+        glb.bin[start..start + view["byteLength"].as_u64().expect("a length") as usize].to_vec()
+    };
+    let (linear, srgb) = (colors("vertex"), colors("vertex-srgb"));
+    assert!(srgb.iter().any(|&c| (60..200).contains(&c)));
+    for (i, (l, s)) in linear.iter().zip(&srgb).enumerate() {
+        let light = if i % 4 == 3 { 1.0 } else { (f64::from(*s) / 255.0).powf(2.2) };
+        assert!((f64::from(*l) / 255.0 - light).abs() < 0.02, "{s} became {l}");
+    }
 }

@@ -17,9 +17,10 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         None => OutputFormat::of(&args.output)?,
     };
     let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-    refuse_overwriting(args, to_stdout)?;
-    // Opened before any work, so that a wrong folder is known at once.
-    let stats = args.stats.as_deref().map(Output::create).transpose()?;
+    if let Some(existing) = destination.existing(format).filter(|_| args.no_clobber) {
+        return Err(Error::Exists(existing));
+    }
+    let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;
 
     let bars = Bars::new(messages.wants_progress());
     let summary = osculate::annotate(&args.input, &destination, format, &options, &bars)?;
@@ -37,30 +38,16 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     Ok(Outcome::of(summary.has_defects()))
 }
 
-/// An output must not destroy an input, nor, if so asked, anything else.
-fn refuse_overwriting(args: &AnnotateArgs, to_stdout: bool) -> Result<(), Error> {
-    let outputs = [(!to_stdout).then_some(&args.output), args.stats.as_ref()];
-    let mut seen = Vec::new();
-    for output in outputs.into_iter().flatten() {
-        let Ok(real) = output.canonicalize() else {
-            if seen.contains(output) {
-                return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
-            }
-            seen.push(output.clone());
-            continue;
-        };
-        if args.input.canonicalize().is_ok_and(|input| input == real) {
-            return Err(Error::Usage(format!("{} is the input; choose another output", output.display())));
-        }
-        if args.no_clobber {
-            return Err(Error::Usage(format!("{} exists, and --no-clobber keeps it", output.display())));
-        }
-        if seen.contains(&real) {
-            return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
-        }
-        seen.push(real);
+/// Opens the statistics before any work, so that a wrong folder is known at once.
+fn open_stats(path: &Path, args: &AnnotateArgs) -> Result<Output, Error> {
+    let real = osculate::real_path(path);
+    if [&args.input, &args.output].into_iter().any(|other| osculate::real_path(other) == real) {
+        return Err(Error::Usage(format!("--stats {} is also the input or the output", path.display())));
     }
-    Ok(())
+    if args.no_clobber && path.exists() {
+        return Err(Error::Exists(path.to_path_buf()));
+    }
+    Output::create(path)
 }
 
 fn write_stats(summary: &Summary, mut out: Output) -> Result<(), Error> {
@@ -76,12 +63,8 @@ fn tell(summary: &Summary, messages: &Messages) {
         "seconds: read {:.3}, weld {:.3}, estimate {:.3}, write {:.3}",
         s.read, s.weld, s.estimate, s.write
     ));
-    let classes: Vec<String> = summary
-        .curvature
-        .classes
-        .iter()
-        .filter(|(_, n)| **n > 0)
-        .map(|(class, n)| format!("{n} {}", class.name()))
-        .collect();
+    let Some(curvature) = &summary.curvature else { return };
+    let classes: Vec<String> =
+        curvature.classes.iter().filter(|(_, n)| **n > 0).map(|(class, n)| format!("{n} {}", class.name())).collect();
     messages.info(&format!("classes: {}", classes.join(", ")));
 }

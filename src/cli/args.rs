@@ -95,15 +95,16 @@ pub(super) struct EstimationArgs {
     #[arg(long, value_enum, default_value_t = EstimatorArg::from(CurvatureOptions::default().estimator))]
     estimator: EstimatorArg,
 
-    /// Length of a disk's legs in file units, above 0; overrides --radius-factor
-    #[arg(long, value_name = "LENGTH", conflicts_with = "radius_factor", allow_hyphen_values = true)]
-    radius: Option<f64>,
+    /// Length of a disk's legs in file units, above 0; or auto: by the width of the faces around and
+    /// the bending
+    #[arg(long, value_name = "LENGTH|auto", conflicts_with = "radius_factor", value_parser = radius,
+          allow_hyphen_values = true, default_value = "auto")]
+    radius: Radius,
 
-    /// Length of a disk's legs in mean edges of the face (F or F:face) or of the whole mesh (F:mesh);
-    /// above 0, at most 1000
-    #[arg(long, value_name = "F[:face|mesh]", value_parser = radius_factor, allow_hyphen_values = true,
-          default_value = default_radius_factor())]
-    radius_factor: Radius,
+    /// Length of a disk's legs in mean edges of the face (F or F:face) or of the whole mesh (F:mesh)
+    /// instead; above 0, at most 1000
+    #[arg(long, value_name = "F[:face|mesh]", value_parser = radius_factor, allow_hyphen_values = true)]
+    radius_factor: Option<Radius>,
 
     /// Diameters of a disk, 3 to 360
     #[arg(long, value_name = "N", default_value_t = CurvatureOptions::default().diameters)]
@@ -113,6 +114,17 @@ pub(super) struct EstimationArgs {
     #[arg(long, value_name = "T", default_value_t = CurvatureOptions::default().class_tolerance,
           allow_hyphen_values = true)]
     class_tolerance: f64,
+}
+
+impl EstimationArgs {
+    pub(super) fn options(&self) -> CurvatureOptions {
+        CurvatureOptions {
+            estimator: self.estimator.into(),
+            radius: self.radius_factor.unwrap_or(self.radius),
+            diameters: self.diameters,
+            class_tolerance: self.class_tolerance,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -173,15 +185,9 @@ pub(super) struct LookArgs {
 
 impl AnnotateArgs {
     pub(super) fn options(&self) -> Result<AnnotateOptions, osculate::Error> {
-        let radius = self.estimation.radius.map_or(self.estimation.radius_factor, Radius::Length);
         Ok(AnnotateOptions {
             mesh: self.mesh.options(),
-            curvature: CurvatureOptions {
-                estimator: self.estimation.estimator.into(),
-                radius,
-                diameters: self.estimation.diameters,
-                class_tolerance: self.estimation.class_tolerance,
-            },
+            curvature: self.estimation.options(),
             selection: self.look.attributes.clone(),
             color_by: self.look.color_by.into(),
             colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
@@ -189,6 +195,8 @@ impl AnnotateArgs {
             carrier: self.look.color.into(),
             up: self.look.up.map(Into::into),
             unit: self.look.unit.map(Into::into),
+            // Percentiles are only told where someone asks.
+            summarise: self.stats.is_some() || self.common.verbose,
         })
     }
 }
@@ -407,11 +415,10 @@ pub(super) enum ReportFormat {
     Json,
 }
 
-fn default_radius_factor() -> String {
-    match CurvatureOptions::default().radius {
-        Radius::FaceFactor(factor) => factor.to_string(),
-        Radius::MeshFactor(factor) => format!("{factor}:mesh"),
-        Radius::Length(_) => unreachable!("the default radius is a factor"),
+fn radius(text: &str) -> Result<Radius, String> {
+    match text {
+        "auto" => Ok(Radius::Auto),
+        _ => text.parse().map(Radius::Length).map_err(|_| "give a length or auto".into()),
     }
 }
 
@@ -471,7 +478,8 @@ mod tests {
     fn defaults_are_the_librarys() {
         let cli = Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "a.glb"]).expect("valid");
         let Command::Annotate(args) = cli.command else { panic!("another command") };
-        assert_eq!(args.options().expect("valid"), AnnotateOptions::default());
+        let expected = AnnotateOptions { summarise: false, ..AnnotateOptions::default() };
+        assert_eq!(args.options().expect("valid"), expected);
     }
 
     #[test]

@@ -40,12 +40,17 @@ fn describe(found: &Inspection) -> String {
         line(
             "edge lengths",
             &format!(
-                "{:.4} mean, {:.4} median, {:.4} to {:.4} without the outer tenth, {:.4} to {:.4} in all",
-                lengths.mean, lengths.p50, lengths.p5, lengths.p95, lengths.min, lengths.max
+                "{} mean, {} median, {} to {} without the outer tenth, {} to {} in all",
+                short(lengths.mean),
+                short(lengths.p50),
+                short(lengths.p5),
+                short(lengths.p95),
+                short(lengths.min),
+                short(lengths.max)
             ),
         );
     }
-    line("area", &format!("{:.6}", found.area));
+    line("area", &short(found.area));
     if let Some(bounds) = report.bounds {
         line("bounds", &describe_bounds(bounds));
     }
@@ -83,8 +88,12 @@ fn describe(found: &Inspection) -> String {
 
 fn describe_bounds(Bounds { min, max }: Bounds) -> String {
     let size = max - min;
-    format!(
-        "({} {} {}) to ({} {} {}), size {:.6} x {:.6} x {:.6}",
-        min.x, min.y, min.z, max.x, max.y, max.z, size.x, size.y, size.z
-    )
+    let [min, max, size] = [min, max, size].map(|v| v.to_array().map(short).join(" "));
+    format!("({min}) to ({max}), size {}", size.replace(' ', " x "))
+}
+
+/// Five significant digits, in plain notation where that is short.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { rounded.to_string() } else { format!("{value:.4e}") }
 }

@@ -28,6 +28,9 @@ enum Outcome {
     Defects = 3,
 }
 
+/// Exit code after Ctrl-C.
+const INTERRUPTED: i32 = 130;
+
 impl Outcome {
     fn of(has_defects: bool) -> Self {
         if has_defects { Outcome::Defects } else { Outcome::Done }
@@ -37,6 +40,11 @@ impl Outcome {
 /// Runs the program.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
+    // On Ctrl-C and the like; without a handler the temporary files would stay.
+    let _ = ctrlc::set_handler(|| {
+        osculate::remove_unfinished_outputs();
+        std::process::exit(INTERRUPTED);
+    });
     let common = cli.command.common();
     let messages = Messages::new(common);
     let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {

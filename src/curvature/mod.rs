@@ -5,6 +5,7 @@ mod euler;
 mod options;
 mod osculating;
 mod perimeter;
+mod radius;
 mod tangent;
 mod values;
 
@@ -17,6 +18,7 @@ use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::progress::{Progress, Stage};
 use euler::EulerFit;
+use radius::RadiusSearch;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -74,11 +76,46 @@ fn estimate_range(
         if mesh.face_state(face) != FaceState::Sound {
             continue;
         }
-        let Some(frame) = Frame::at_barycentre(mesh, face) else { continue };
-        let radius = fixed_radius.unwrap_or_else(|| options.own_radius(mesh, face));
-        disk.walk(mesh, face, &frame, radius, options.diameters);
-        *value = from_disk(disk, &frame, options);
+        if let Some(frame) = Frame::at_barycentre(mesh, face) {
+            *value = curvature_at(mesh, face, &frame, options, fixed_radius, disk);
+        }
     }
+}
+
+/// Lays a disk around a frame's centre and reads the curvature off it. The disk is left in `disk`.
+pub(crate) fn curvature_at(
+    mesh: &Mesh,
+    face: Face,
+    frame: &Frame,
+    options: &CurvatureOptions,
+    fixed_radius: Option<f64>,
+    disk: &mut Disk,
+) -> FaceCurvature {
+    let (mut search, mut radius) = RadiusSearch::new(mesh, face, options, fixed_radius);
+    loop {
+        disk.walk(mesh, face, frame, radius, options.diameters);
+        let value = from_disk(disk, frame, options);
+        match search.next(disk, &value) {
+            Some(next) => radius = next,
+            None => return value,
+        }
+    }
+}
+
+type Formula = fn(&Diameter<'_>) -> Option<Sample>;
+
+fn formula(estimator: Estimator) -> Formula {
+    match estimator {
+        Estimator::Osculating => osculating::exact_arc,
+        Estimator::Osculating3 => osculating::third_order,
+        Estimator::Tangent => tangent::turning,
+    }
+}
+
+/// The signed normal curvature that a single diameter shows; `None` where it stays inside the plane
+/// of its face and says nothing.
+pub fn normal_curvature(diameter: &Diameter<'_>, estimator: Estimator) -> Option<f64> {
+    formula(estimator)(diameter).map(|sample| sample.curvature)
 }
 
 /// Reads the curvature of a face off its disk.
@@ -86,11 +123,10 @@ fn estimate_range(
 /// A disk none of whose legs leaves the plane of its face is flat: so is a lone triangle, all of
 /// whose legs end at its own edges.
 pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> FaceCurvature {
-    let formula: fn(&Diameter<'_>) -> Option<Sample> = match options.estimator {
-        Estimator::Osculating => osculating::exact_arc,
-        Estimator::Osculating3 => osculating::third_order,
-        Estimator::Tangent => tangent::turning,
-    };
+    if disk.legs().is_empty() {
+        return FaceCurvature::NOT_ESTIMATED;
+    }
+    let formula = formula(options.estimator);
     let mut fit = EulerFit::new();
     for diameter in disk.diameters() {
         if let Some(sample) = formula(&diameter) {

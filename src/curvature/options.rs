@@ -1,7 +1,6 @@
 //! Settings of the estimation.
 
 use crate::error::Error;
-use crate::mesh::{Face, Mesh};
 
 /// How normal curvature is read off a diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -29,7 +28,7 @@ impl Estimator {
 }
 
 /// How the length of a disk's legs is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Radius {
     /// This many times the mean edge length of the face itself (the paper's choice).
@@ -38,6 +37,10 @@ pub enum Radius {
     MeshFactor(f64),
     /// A length in file units.
     Length(f64),
+    /// By the face's surroundings and the bending: large enough that sections have some segments to
+    /// bend at, small enough that the surface turns by less than about a radian.
+    #[default]
+    Auto,
 }
 
 /// Settings for [`estimate`](super::estimate).
@@ -45,9 +48,11 @@ pub enum Radius {
 pub struct CurvatureOptions {
     /// How normal curvature is read off a diameter. Default: osculating.
     pub estimator: Estimator,
-    /// Length of the legs. Default: three times the face's own mean edge. Sections are polygons, so
-    /// the error of formula (1) falls with the square of edge over radius, and grows with the
-    /// square of radius over the distance in which the curvature changes.
+    /// Length of the legs. Sections are polygons, so the error of formula (1) falls with the square
+    /// of edge over radius, and grows with the square of radius over the distance in which the
+    /// curvature changes.
+    ///
+    /// Default: automatic, by the rule of `src/curvature/radius.rs`.
     pub radius: Radius,
     /// Number of diameters per disk, 3 to 360. Default 12.
     pub diameters: usize,
@@ -60,7 +65,7 @@ impl Default for CurvatureOptions {
     fn default() -> Self {
         CurvatureOptions {
             estimator: Estimator::default(),
-            radius: Radius::FaceFactor(3.0),
+            radius: Radius::default(),
             diameters: 12,
             class_tolerance: 0.05,
         }
@@ -83,23 +88,6 @@ impl CurvatureOptions {
                 usage(format!("the class tolerance must be 0 to 1, not {}", self.class_tolerance))
             }
             _ => Ok(()),
-        }
-    }
-
-    /// The radius where it is the same for all faces.
-    pub(super) fn fixed_radius(&self, mesh: &Mesh) -> Option<f64> {
-        match self.radius {
-            Radius::FaceFactor(_) => None,
-            Radius::MeshFactor(factor) => Some(factor * mesh.mean_edge_of_mesh()),
-            Radius::Length(length) => Some(length),
-        }
-    }
-
-    /// The radius of one face where it depends on the face.
-    pub(super) fn own_radius(&self, mesh: &Mesh, face: Face) -> f64 {
-        match self.radius {
-            Radius::FaceFactor(factor) => factor * mesh.mean_edge(face),
-            Radius::MeshFactor(_) | Radius::Length(_) => unreachable!("the same for all faces"),
         }
     }
 }

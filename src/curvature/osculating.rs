@@ -34,14 +34,20 @@ pub(super) fn third_order(diameter: &Diameter<'_>) -> Option<Sample> {
 
 /// How much of the bending is an arc's: -1 to 1, negative where the ends lie above the tangent plane.
 ///
-/// A circle of curvature k that touches the plane at the centre ends k l^2 / 2 below it. A section
+/// A circle of curvature k that touches the plane at the centre ends (1 - cos k l) / k below it. A section
 /// that bends like an S is shorter from end to end as well, but its ends lie on both sides: counting
 /// it in full, with the sign of whatever is left of the heights, makes a small change of the mesh
 /// turn k over. Two thirds of the arc's heights count as an arc, since the centre of a face lies
-/// below the surface and large arcs fall short of k l^2 / 2.
+/// below the surface.
 fn share_of_arc(height: f64, curvature: f64, forward: f64, backward: f64) -> f64 {
-    let arc = 0.5 * curvature * (forward * forward + backward * backward);
+    let arc = fall(curvature, forward) + fall(curvature, backward);
     if arc > 0.0 { (-1.5 * height / arc).clamp(-1.0, 1.0) } else { 0.0 }
+}
+
+/// (1 - cos k l) / k by its series, good to 1e-5 of itself up to the right angle at which legs end.
+fn fall(k: f64, l: f64) -> f64 {
+    let turn = (k * l) * (k * l);
+    0.5 * k * l * l * (1.0 - turn / 12.0 * (1.0 - turn / 30.0 * (1.0 - turn / 56.0)))
 }
 
 /// `alpha` gives half the arc's turn from 1 - d / L and the polygon's share of a smooth arc's spread;
@@ -55,8 +61,9 @@ fn sample(
     let length = forward.length + backward.length;
     let spread = spread(diameter);
     let smooth_spread = length * length * length / 12.0;
-    // A diameter inside one face has no spread but its rounding, and nothing to say.
-    if spread <= 1e-9 * smooth_spread {
+    // A diameter inside one face has no spread but its rounding, one of no length none at all; neither
+    // has anything to say.
+    if spread.is_nan() || spread <= 1e-9 * smooth_spread {
         return None;
     }
     // d = sqrt(U^2 + Z^2) with U the ends' distance along the plane and Z their difference in

@@ -32,7 +32,7 @@ pub(super) fn gauss(disk: &Disk) -> Option<f64> {
         let flat = f64::from(sectors) * 2.0 * radius * (0.5 * step).sin();
         return Some(6.0 / (radius * radius) * (1.0 - length / flat));
     }
-    legs.iter().all(|leg| leg.excess == 0.0).then_some(0.0)
+    legs.iter().all(|leg| leg.excess <= 1e-12 * radius).then_some(0.0)
 }
 
 /// Distance of two leg ends whose directions differ by an angle.

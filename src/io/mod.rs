@@ -10,7 +10,7 @@ mod ply;
 mod stl;
 mod text;
 
-pub use output::Output;
+pub use output::{Output, remove_unfinished_outputs};
 pub use plain::write_mesh;
 
 use crate::annotation::{Annotation, ColorCarrier};
@@ -66,19 +66,20 @@ impl InputFormat {
         let content = bytes.trim_ascii_start();
         match content {
             [] => return Err(ParseError::file("the file is empty")),
+            // The size says it all: whatever such a file's header begins with is a comment.
+            _ if stl::is_binary(bytes) => return Ok(InputFormat::Stl),
             [b'g', b'l', b'T', b'F', ..] | [b'{', ..] => return Ok(InputFormat::Gltf),
             [0x1f, 0x8b, ..] => return Err(ParseError::file("the file is compressed with gzip; decompress it first")),
             [b'P', b'K', 3, 4, ..] => {
                 return Err(ParseError::file("the file is a ZIP archive (3MF?); export it as STL, OBJ, PLY or glTF"));
             }
             _ if ply::looks_like(content) => return Ok(InputFormat::Ply),
-            _ if stl::is_binary(bytes) || stl::is_ascii(content) => return Ok(InputFormat::Stl),
+            _ if stl::is_ascii(content) => return Ok(InputFormat::Stl),
             _ if obj::looks_like(content) => return Ok(InputFormat::Obj),
             _ => {}
         }
-        let promised = InputFormat::from_extension(path);
-        match promised {
-            Some(InputFormat::Stl | InputFormat::Obj) => Ok(promised.unwrap_or(InputFormat::Stl)),
+        match InputFormat::from_extension(path) {
+            Some(format @ (InputFormat::Stl | InputFormat::Obj)) => Ok(format),
             Some(format) => Err(ParseError::file(format!("the content is not {}", format.name()))),
             None => Err(ParseError::file("the content is none of STL, OBJ, PLY and glTF")),
         }
@@ -97,7 +98,8 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
     progress.begin(Stage::Read, metadata.len());
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let folder = path.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
-    let result = InputFormat::of(path, &bytes).and_then(|format| Ok((read_bytes(&bytes, format, folder)?, format)));
+    let content = without_byte_order_mark(&bytes);
+    let result = InputFormat::of(path, content).and_then(|format| Ok((read_bytes(content, format, folder)?, format)));
     progress.advance(bytes.len() as u64);
     progress.end();
     result.map_err(|e| Error::parse(path, e))
@@ -108,13 +110,17 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
 /// # Errors
 /// Place and reason where the content is not what the format promises.
 pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_byte_order_mark(bytes);
     match format {
         InputFormat::Stl => stl::read(bytes),
         InputFormat::Obj => obj::read(bytes),
         InputFormat::Ply => ply::read(bytes),
         InputFormat::Gltf => gltf::read(bytes, folder),
     }
+}
+
+fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// A file format that annotated meshes are written in.
@@ -164,6 +170,71 @@ pub enum Destination {
     Stdout,
 }
 
+impl Destination {
+    /// All files that an output of so many faces may replace.
+    fn files(&self, format: OutputFormat, faces: usize) -> Vec<PathBuf> {
+        match self {
+            Destination::Stdout => Vec::new(),
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_beside(path, faces),
+            Destination::File(path) => vec![path.clone()],
+        }
+    }
+
+    /// Refuses an output that would replace the input or a file that the input names, and one whose
+    /// folder does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] or [`Error::Io`], with the file in question.
+    pub(crate) fn check(&self, format: OutputFormat, input: &Path, soup: &Soup) -> Result<(), Error> {
+        let outputs = self.files(format, soup.face_count());
+        if let [document, beside @ ..] = outputs.as_slice()
+            && beside.contains(document)
+        {
+            return Err(Error::Usage(format!("{}: a glTF document ends in .gltf", document.display())));
+        }
+        let inputs: Vec<PathBuf> =
+            std::iter::once(input).chain(soup.files.iter().map(PathBuf::as_path)).map(real_path).collect();
+        match outputs.into_iter().find(|output| inputs.contains(&real_path(output))) {
+            Some(output) => {
+                Err(Error::Usage(format!("{} belongs to the input; choose another output", output.display())))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The first of the files that an output may replace and that is there already.
+    pub fn existing(&self, format: OutputFormat) -> Option<PathBuf> {
+        self.files(format, 0).into_iter().find(|path| path.exists())
+    }
+
+    /// Refuses an output in a folder that does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the folder.
+    pub(crate) fn check_folder(&self) -> Result<(), Error> {
+        let Destination::File(path) = self else { return Ok(()) };
+        match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+                let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "the folder does not exist");
+                Err(Error::io(path, "create", missing))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A path by which two names of one file are equal, also for a file that is not there yet.
+pub fn real_path(path: &Path) -> PathBuf {
+    if let Ok(real) = path.canonicalize() {
+        return real;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_path_buf(),
+    }
+}
+
 /// Refuses, before any work is done, what the format cannot hold. `carrier` is `None` where there
 /// are no colours.
 ///
@@ -205,7 +276,12 @@ fn write_to(
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     if let (OutputFormat::Gltf, Destination::File(path)) = (format, destination) {
-        return gltf::write_gltf(annotation, path, progress);
+        // A link is followed here, so that buffer and palette come to lie beside the document. A
+        // device has no beside: the document then holds everything.
+        let path = real_path(path);
+        if !path.exists() || path.is_file() {
+            return gltf::write_gltf(annotation, &path, progress);
+        }
     }
     let mut out = match destination {
         Destination::File(path) => Output::create(path)?,

@@ -4,6 +4,7 @@ use crate::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Bytes gathered before a write; larger brings nothing, smaller costs system calls.
 const BUFFER: usize = 256 * 1024;
@@ -28,7 +29,8 @@ impl Output {
     /// # Errors
     /// [`Error::Io`] where the folder does not exist or cannot be written to.
     pub fn create(path: &Path) -> Result<Self, Error> {
-        let failed = |e| Error::io(path, "create", e);
+        // tempfile names its own file in its errors; the user knows only of the output.
+        let failed = |e: io::Error| Error::io(path, "create", io::Error::from(e.kind()));
         // A link is followed, so that the file it points to is replaced and not the link.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let sink = match target.metadata() {
@@ -47,7 +49,9 @@ impl Output {
                     // As any new file: the user's umask decides.
                     builder.permissions(std::fs::Permissions::from_mode(0o666));
                 }
-                Sink::Temporary(BufWriter::with_capacity(BUFFER, builder.tempfile_in(folder).map_err(failed)?))
+                let file = builder.tempfile_in(folder).map_err(failed)?;
+                unfinished(|paths| paths.push(file.path().to_path_buf()));
+                Sink::Temporary(BufWriter::with_capacity(BUFFER, file))
             }
         };
         Ok(Output { path: target, sink })
@@ -80,11 +84,31 @@ impl Output {
             Sink::Stream(mut stream) => stream.flush().map_err(failed),
             Sink::Temporary(writer) => {
                 let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
+                let temporary = file.path().to_path_buf();
                 file.persist(&path).map_err(|e| failed(e.error))?;
+                unfinished(|paths| paths.retain(|p| *p != temporary));
                 Ok(())
             }
         }
     }
+}
+
+/// Temporary files that an interrupted program would leave behind.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished(change: impl FnOnce(&mut Vec<PathBuf>)) {
+    change(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner));
+}
+
+/// Removes the temporary files of all outputs that are not finished. For a program that is about to
+/// end without unwinding, such as on a signal.
+pub fn remove_unfinished_outputs() {
+    unfinished(|paths| {
+        for path in paths.drain(..) {
+            // One that is gone already needs no removing.
+            let _ = std::fs::remove_file(path);
+        }
+    });
 }
 
 impl Write for Output {

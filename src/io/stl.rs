@@ -135,7 +135,9 @@ fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
     let mut ascii = Ascii::default();
     let mut lines = Lines::new(bytes);
     let mut cut = None;
+    let mut last = 0;
     while let Some((line, content)) = lines.next() {
+        last = line;
         if let Err(error) = ascii.line(line, content) {
             // A file that was cut short ends in the middle of a line: what is before it counts.
             if lines.rest().is_empty() && ascii.positions.len() >= 3 {
@@ -146,7 +148,7 @@ fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
         }
     }
     if cut.is_none() && ascii.in_facet > 0 {
-        cut = Some(bytes.iter().filter(|&&b| b == b'\n').count() as u64);
+        cut = Some(last);
     }
     ascii.into_soup(cut)
 }
@@ -163,38 +165,52 @@ struct Ascii {
 }
 
 impl Ascii {
+    /// Reads the words of a line, of which there may be several statements.
     fn line(&mut self, line: u64, content: &[u8]) -> Result<(), ParseError> {
         let content = content.trim_ascii();
-        let mut words = text::words(content);
-        let Some(keyword) = words.next() else { return Ok(()) };
+        let mut words = text::words(content).peekable();
         let error = |what: String| Err(ParseError::line(line, what));
-        match keyword.to_ascii_lowercase().as_slice() {
-            b"vertex" if self.in_facet == 3 => {
-                return error("a facet with more than three vertices; export the file as triangles".into());
-            }
-            b"vertex" => {
-                let mut point = [0.0; 3];
-                for coordinate in &mut point {
-                    let Some(value) = words.next().and_then(text::number) else {
-                        return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
-                    };
-                    *coordinate = value;
+        while let Some(word) = words.next() {
+            match word.to_ascii_lowercase().as_slice() {
+                b"vertex" if self.in_facet == 3 => {
+                    return error("a facet with more than three vertices; export the file as triangles".into());
                 }
-                self.positions.push(point);
-                self.in_facet += 1;
+                b"vertex" => {
+                    let mut point = [0.0; 3];
+                    for coordinate in &mut point {
+                        let Some(value) = words.next().and_then(text::number) else {
+                            return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
+                        };
+                        *coordinate = value;
+                    }
+                    self.positions.push(point);
+                    self.in_facet += 1;
+                }
+                b"endfacet" | b"facet" if !self.in_facet.is_multiple_of(3) => {
+                    return error(format!("a facet ends after {} of three vertices", self.in_facet));
+                }
+                b"endfacet" | b"facet" => self.in_facet = 0,
+                // Nobody needs the normal, and some programs write words where its numbers belong.
+                b"normal" => drop(words.by_ref().take(3).count()),
+                b"outer" | b"loop" | b"endloop" => {}
+                b"solid" => {
+                    let start = (self.positions.len() / 3) as u32;
+                    let mut name = Vec::new();
+                    while let Some(word) = words.next_if(|word| !word.eq_ignore_ascii_case(b"facet")) {
+                        name.extend_from_slice(if name.is_empty() { b"" } else { b" " });
+                        name.extend_from_slice(word);
+                    }
+                    self.solids.push(Group { name: text::name(&name), faces: start..start });
+                    self.ended = false;
+                }
+                b"endsolid" => {
+                    self.ended = true;
+                    return Ok(());
+                }
+                // What some program leaves behind the last solid is not ours to judge.
+                _ if self.ended => return Ok(()),
+                _ => return error(format!("{} is no part of an STL file", text::quoted(word))),
             }
-            b"endfacet" | b"facet" if !self.in_facet.is_multiple_of(3) => {
-                return error(format!("a facet ends after {} of three vertices", self.in_facet));
-            }
-            b"endfacet" | b"facet" => self.in_facet = 0,
-            b"solid" => {
-                let start = (self.positions.len() / 3) as u32;
-                self.solids.push(Group { name: text::name(&content[keyword.len()..]), faces: start..start });
-                self.ended = false;
-            }
-            b"endsolid" => self.ended = true,
-            b"outer" | b"endloop" => {}
-            _ => return error(format!("{} is no part of an STL file", text::quoted(content))),
         }
         Ok(())
     }
@@ -268,6 +284,9 @@ mod tests {
     #[test]
     fn ascii_comes_in_many_hands() {
         for text in [
+            format!("solid on one line {}endsolid", FACET.replace('\n', " ")),
+            format!("solid\n{FACET}{}{FACET}endsolid\n", FACET.replace('\n', " ") + "\n"),
+            format!("solid\n{FACET}endsolid\nleft behind\n"),
             format!("solid\n{FACET}endsolid\n"),
             format!("  solid  a name\n{FACET}{FACET}"),
             format!("SOLID x\n{}ENDSOLID", FACET.to_uppercase()),
@@ -279,7 +298,8 @@ mod tests {
             ),
         ] {
             let soup = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}"));
-            assert!(soup.face_count() >= 1 && !soup.notes.iter().any(|n| n.repaired), "{text}");
+            assert_eq!(soup.face_count(), text.to_lowercase().matches("endfacet").count(), "{text}");
+            assert!(!soup.notes.iter().any(|n| n.repaired), "{text}");
             assert_eq!(soup.positions.get(1).x, 1.0);
         }
     }

@@ -86,6 +86,9 @@ pub(super) fn classify(dihedral: &Dihedral<'_>, feature_angle: f64) -> Vec<EdgeK
             // Each edge is judged once, from its lesser side, so that both sides agree.
             Across::Twin(twin) if twin < h => EdgeKind::Inner,
             Across::Twin(twin) => {
+                if feature_angle >= 180.0 {
+                    return EdgeKind::Inner;
+                }
                 let (c, s) = dihedral.cos_sin(h, twin);
                 // angle > feature angle, both within [0, 180]: the sine of the difference decides.
                 if s * cos - c * sin > 0.0 { EdgeKind::Feature } else { EdgeKind::Inner }

@@ -14,6 +14,7 @@ pub use report::{Bounds, EdgeCounts, FaceState, FirstDefects, MeshReport};
 pub use topology::{Across, Topology};
 
 use crate::error::Error;
+use crate::place::Place;
 use crate::soup::{Group, Scene, Soup};
 use edges::Dihedral;
 use glam::DVec3;
@@ -115,14 +116,10 @@ impl Mesh {
         let (flipped_faces, flipped) = first_few(count, |f| orientation.flipped[f.index()]);
         let (_, non_manifold) =
             first_few(count, |f| f.half_edges().iter().any(|h| kinds[h.index()] == EdgeKind::NonManifold));
-        if degenerate_faces + non_finite_faces == count {
-            return Err(Error::EmptyMesh(if non_finite_faces == 0 {
-                format!(
-                    "none of the {count} faces has an area; if the units are very large, try a smaller weld distance"
-                )
-            } else {
-                format!("none of the {count} faces has an area and finite coordinates")
-            }));
+        if !states.contains(&FaceState::Sound) {
+            let remedy = if merged_by_distance > 0 { "; try a smaller weld distance" } else { "" };
+            let finite = if non_finite_faces > 0 { " and finite coordinates" } else { "" };
+            return Err(Error::EmptyMesh(format!("none of the {count} faces has an area{finite}{remedy}")));
         }
         let per_kind = |kind: EdgeKind| {
             (0..count as u32)
@@ -209,6 +206,13 @@ impl Mesh {
         a + ((b - a) + (c - a)) / 3.0
     }
 
+    /// The point at a place of the surface, relative to [`Mesh::origin`].
+    pub fn point(&self, place: Place) -> DVec3 {
+        let [a, b, c] = self.triangle(place.face);
+        // Differences first: exact in the first corner and for coordinates far from zero.
+        a + place.weights[1] * (b - a) + place.weights[2] * (c - a)
+    }
+
     /// The unit normal by the winding of the component's majority; zero for a face without area.
     pub fn normal(&self, face: Face) -> DVec3 {
         let [a, b, c] = self.triangle(face);
@@ -265,9 +269,8 @@ impl Mesh {
 
     /// True when one face at the edge looks towards the viewer and the other away from it.
     ///
-    /// `view` points from the viewer to the mesh, in any length. An edge with one face, or with a
-    /// face seen exactly edge-on and one looking away, is a silhouette by the sign rule that zero
-    /// counts as towards.
+    /// `view` points from the viewer to the mesh, in any length. A face seen exactly edge-on counts as
+    /// looking towards the viewer. An edge with one face is a boundary, not a silhouette.
     pub fn is_silhouette(&self, h: HalfEdge, view: DVec3) -> bool {
         let towards = |f: Face| self.normal(f).dot(view) <= 0.0;
         self.topology.twin(h).is_some_and(|twin| towards(h.face()) != towards(twin.face()))
@@ -307,18 +310,16 @@ impl Mesh {
     }
 }
 
-/// Zero, unless the mesh lies so far from zero that 32-bit coordinates would lose more than about
-/// a millionth of its size; then the middle of its box, on a grid so coarse that subtracting it
-/// from a 64-bit coordinate is exact.
+/// Per axis zero, unless the mesh lies so far from zero that 32-bit coordinates would lose more than
+/// about a millionth of its size; then the middle of its box. Coordinates there are within a factor
+/// of two of the origin, so that subtracting it is exact (Sterbenz' lemma).
 fn origin_for(bounds: Bounds) -> DVec3 {
     const FAR: f64 = 16.0;
     let size = bounds.size().max_element();
-    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-    if reach <= FAR * size || size == 0.0 {
-        return DVec3::ZERO;
-    }
-    let grid = size.log2().floor().exp2();
-    let origin = (bounds.center() / grid).round() * grid;
+    let reach = bounds.min.abs().max(bounds.max.abs());
+    let center = bounds.center();
+    let axis = |reach: f64, center: f64| if reach > FAR * size && size > 0.0 { center } else { 0.0 };
+    let origin = DVec3::new(axis(reach.x, center.x), axis(reach.y, center.y), axis(reach.z, center.z));
     if origin.is_finite() { origin } else { DVec3::ZERO }
 }
 

@@ -138,6 +138,24 @@ impl MeshReport {
             > 0
     }
 
+    /// One sentence for each thing that is no defect but changes how values are to be read.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if self.inside_out_components > 0 {
+            remarks.push(format!(
+                "{} closed components have normals that point inwards: their curvature has the opposite sign",
+                self.inside_out_components
+            ));
+        }
+        if self.non_orientable_components > 0 {
+            remarks.push(format!(
+                "{} components have no consistent winding: the sign of each of their faces is its own",
+                self.non_orientable_components
+            ));
+        }
+        remarks
+    }
+
     /// One sentence for each defect, with the first few places.
     pub fn defects(&self) -> Vec<String> {
         let places = |faces: &[u32]| {
@@ -154,8 +172,12 @@ impl MeshReport {
         };
         tell(self.degenerate_faces, "faces without area, not estimated", &first.degenerate);
         tell(self.non_finite_faces, "faces with NaN or infinite coordinates, not estimated", &first.non_finite);
-        tell(self.duplicate_faces, "faces over the vertices of an earlier face, given its values", &first.duplicate);
-        tell(self.flipped_faces, "faces wound against their component, given its sign", &first.flipped);
+        tell(
+            self.duplicate_faces,
+            "duplicate faces, over the vertices of an earlier face, given its values",
+            &first.duplicate,
+        );
+        tell(self.flipped_faces, "flipped faces, wound against their component, given its sign", &first.flipped);
         tell(self.edges.non_manifold, "edges with three or more faces, where disks end", &first.non_manifold);
         defects
     }

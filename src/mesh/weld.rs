@@ -1,8 +1,10 @@
 //! Gives one number to all corners that share a position.
 
+use super::report::Bounds;
 use crate::soup::{Group, Positions, Soup};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::hash::{BuildHasher, RandomState};
 
 /// Welded vertices and the faces over them.
 pub(super) struct Welded {
@@ -52,14 +54,22 @@ fn canonical(positions: &Positions, index: u32) -> DVec3 {
 struct VertexTable {
     slots: Vec<u32>,
     positions: Vec<DVec3>,
-    /// The first vertex of each body; also the seed of the body's hashes.
+    /// The first vertex of each body; part of the seed of the body's hashes.
     bodies: Vec<u32>,
+    /// Different in every run, so that no file can be made to collide. The numbering does not
+    /// depend on it.
+    secret: u64,
 }
 
 impl VertexTable {
     fn new(expected: usize) -> Self {
         let capacity = (2 * expected.max(8)).next_power_of_two();
-        VertexTable { slots: vec![NONE; capacity], positions: Vec::with_capacity(expected), bodies: vec![0] }
+        VertexTable {
+            slots: vec![NONE; capacity],
+            positions: Vec::with_capacity(expected),
+            bodies: vec![0],
+            secret: RandomState::new().hash_one(0),
+        }
     }
 
     /// Vertices made from here on are not found by positions of before. Returns the next number.
@@ -77,7 +87,7 @@ impl VertexTable {
         let first = self.bodies[self.bodies.len() - 1];
         let bits = bits_of(position);
         let mask = self.slots.len() - 1;
-        let mut slot = hash(bits, first) as usize & mask;
+        let mut slot = hash(bits, self.secret ^ u64::from(first)) as usize & mask;
         loop {
             let vertex = self.slots[slot];
             if vertex == NONE {
@@ -102,7 +112,7 @@ impl VertexTable {
             while let Some(&next) = bodies.next_if(|&&next| next as usize <= vertex) {
                 first = next;
             }
-            let mut slot = hash(bits_of(position), first) as usize & mask;
+            let mut slot = hash(bits_of(position), self.secret ^ u64::from(first)) as usize & mask;
             while slots[slot] != NONE {
                 slot = (slot + 1) & mask;
             }
@@ -118,9 +128,9 @@ fn bits_of(p: DVec3) -> [u64; 3] {
 
 /// Multiply and fold, once per coordinate. The seed keeps equal positions of different bodies
 /// (ten thousand copies of a screw) from queueing up behind one another.
-fn hash(bits: [u64; 3], seed: u32) -> u64 {
-    bits.iter().fold(u64::from(seed) ^ 0x9e37_79b9_7f4a_7c15, |h, &b| {
-        let product = u128::from(h ^ b) * 0xd6e8_feb8_6659_fd93;
+fn hash(bits: [u64; 3], seed: u64) -> u64 {
+    bits.iter().fold(seed, |h, &b| {
+        let product = u128::from((h ^ b).wrapping_add(0x9e37_79b9_7f4a_7c15)) * 0xd6e8_feb8_6659_fd93;
         (product as u64) ^ ((product >> 64) as u64)
     })
 }
@@ -180,11 +190,17 @@ impl Clusters {
     /// together, and only cubes at most two apart can hold another close vertex.
     fn join_close(&mut self, positions: &[DVec3], vertices: std::ops::Range<u32>, distance: f64) {
         let side = distance / 3.0_f64.sqrt();
+        let inside = positions[vertices.start as usize..vertices.end as usize].iter().copied();
+        let Some(bounds) = Bounds::of(inside) else { return };
+        // Below the rounding of the coordinates nothing is close but what is equal, and equal is one.
+        if bounds.size().max_element() / side > 2.0_f64.powi(53) {
+            return;
+        }
         let mut cubes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
         for v in vertices {
             let p = positions[v as usize];
             if p.is_finite() {
-                let cube = (p / side).floor().to_array().map(|c| c as i64);
+                let cube = ((p - bounds.min) / side).floor().to_array().map(|c| c as i64);
                 cubes.entry(cube).or_default().push(v);
             }
         }

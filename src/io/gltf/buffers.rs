@@ -254,7 +254,7 @@ fn read_external(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
 }
 
 /// True for `http:`, `file:` and their like, Windows drive letters among them (RFC 3986, 3.1).
-fn has_scheme(uri: &str) -> bool {
+pub(super) fn has_scheme(uri: &str) -> bool {
     uri.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())
             && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))

@@ -16,8 +16,6 @@ use std::ops::Range;
 
 /// The most that the 32-bit length of a GLB can say.
 const GLB_LIMIT: u64 = u32::MAX as u64;
-/// Room for the document and the headers of a GLB.
-const DOCUMENT_ROOM: u64 = 1 << 20;
 
 /// What one buffer view holds: one attribute of one mesh, or the image.
 #[derive(Clone, Debug)]
@@ -108,11 +106,6 @@ impl Layout {
         self.streams.iter().map(Stream::byte_length).sum()
     }
 
-    /// Refuses what a GLB cannot hold.
-    pub(super) fn check_glb(&self) -> Result<(), Error> {
-        check_glb_length(self.byte_length())
-    }
-
     /// The JSON document. `external` gives the URI of a buffer or image that is not in the file.
     pub(super) fn document(
         &self,
@@ -186,9 +179,9 @@ pub(in crate::io) fn faces_byte_length(faces: usize, quantities: &[Quantity], ca
     3 * faces as u64 * (12 + 4 * values as u64 + color)
 }
 
-/// Refuses what a GLB cannot hold, with the ways out.
+/// Refuses a GLB of more bytes than it can hold, with the ways out.
 pub(in crate::io) fn check_glb_length(length: u64) -> Result<(), Error> {
-    if length + DOCUMENT_ROOM <= GLB_LIMIT {
+    if length <= GLB_LIMIT {
         return Ok(());
     }
     Err(Error::TooLarge(format!(
@@ -260,10 +253,11 @@ fn stored_bounds(annotation: &Annotation<'_>, faces: Range<u32>) -> [[f32; 3]; 2
     let join = |[min, max]: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2]| {
         [[0, 1, 2].map(|i| min[i].min(low[i])), [0, 1, 2].map(|i| max[i].max(high[i]))]
     };
+    let remainder = annotation.translation_remainder();
     faces
         .into_par_iter()
         .map(|f| {
-            let corners = annotation.finite_triangle(Face(f)).map(|p| corner(annotation, p));
+            let corners = annotation.finite_triangle(Face(f)).map(|p| corner(annotation, remainder, p));
             corners.into_iter().fold(empty(), |bounds, c| join(bounds, [c, c]))
         })
         .reduce(empty, join)
@@ -316,7 +310,7 @@ fn push_material(
 /// The input's placement of its meshes, or one node at the mesh's origin. Returns the roots.
 fn push_nodes(root: &mut Root, annotation: &Annotation<'_>) -> Vec<Index<json::Node>> {
     let Some(scene) = annotation.mesh.scene() else {
-        let origin = corner(annotation, annotation.mesh.origin());
+        let origin = annotation.node_translation().as_vec3().to_array();
         let node = json::Node {
             mesh: Some(Index::new(0)),
             name: Some(annotation.name.clone()).filter(|name| !name.is_empty()),

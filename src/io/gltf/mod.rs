@@ -15,4 +15,4 @@ mod write;
 
 pub(super) use layout::{check_glb_length, faces_byte_length};
 pub(super) use read::read;
-pub(super) use write::{write_embedded, write_glb, write_gltf};
+pub(super) use write::{files_beside, write_embedded, write_glb, write_gltf};

@@ -1,15 +1,16 @@
 //! A glTF document as a soup: meshes become bodies, primitives groups, nodes the scene.
 
 use super::accessor::Accessors;
-use super::buffers::{Buffers, Source};
+use super::buffers::{Buffers, Source, has_scheme};
 use super::container;
 use super::geometry::{DRACO, Geometry, Material, draco_error, surface_mode};
 use super::scene::{SceneRoots, read_scene};
 use crate::error::ParseError;
 use crate::soup::{Note, Positions, Soup};
 use gltf_json::{Accessor, Asset, Buffer, Index, Mesh, buffer::View};
+use percent_encoding::percent_decode_str;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
@@ -41,6 +42,9 @@ struct Document {
     buffers: Vec<Buffer>,
     #[serde(default)]
     buffer_views: Vec<View>,
+    /// Not looked into but for the files they name.
+    #[serde(default)]
+    images: serde_json::Value,
     #[serde(default)]
     extensions_required: Vec<String>,
     #[serde(default)]
@@ -89,7 +93,16 @@ pub(in crate::io) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup, P
         groups: geometry.groups,
         scene: Some(scene),
         notes: geometry.notes,
+        files: folder.map(|folder| named_files(&document, folder)).unwrap_or_default(),
     })
+}
+
+/// The files that the document names: an output must not replace them.
+fn named_files(document: &Document, folder: &Path) -> Vec<PathBuf> {
+    let buffers = document.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let images = document.images.as_array().into_iter().flatten().filter_map(|image| image.get("uri")?.as_str());
+    let relative = buffers.chain(images).filter(|uri| !has_scheme(uri));
+    relative.filter_map(|uri| Some(folder.join(&*percent_decode_str(uri).decode_utf8().ok()?))).collect()
 }
 
 fn parse(json: &[u8], whose: &str) -> Result<Document, ParseError> {

@@ -3,7 +3,7 @@
 //! Every choice here is one that Blender, MeshLab and web viewers were seen to take (docs/decisions.md):
 //! all attributes SCALAR FLOAT, no normals, no indices, the colours in a palette texture.
 
-use super::layout::{Layout, Stream};
+use super::layout::{Layout, Stream, check_glb_length};
 use crate::annotation::{Annotation, ColorCarrier};
 use crate::color::{PALETTE, Rgb, linear};
 use crate::error::Error;
@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use base64::Engine;
 use glam::DVec3;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Rows of the palette image: clients that are off by a row still hit the right colour.
 const PALETTE_ROWS: usize = 4;
@@ -33,11 +33,11 @@ pub(in crate::io) fn write_glb(
 ) -> Result<(), Error> {
     let image = palette_png(annotation);
     let layout = Layout::new(annotation, image.as_deref(), u64::MAX);
-    layout.check_glb()?;
     let mut json = layout.document(annotation, &|_| None);
     json.resize(json.len().next_multiple_of(4), b' ');
     let body = layout.byte_length().next_multiple_of(4);
     let total = 12 + 8 + json.len() as u64 + 8 + body;
+    check_glb_length(total)?;
     let write = |out: &mut Output| -> io::Result<()> {
         for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
             out.write_all(&u32::to_le_bytes(word))?;
@@ -54,11 +54,19 @@ pub(in crate::io) fn write_glb(
     write(out).map_err(|e| out.error(e))
 }
 
+/// The files that a `.gltf` of so many faces consists of, and perhaps a buffer more.
+pub(in crate::io) fn files_beside(path: &Path, faces: usize) -> Vec<PathBuf> {
+    // No face takes more than 400 bytes: 17 values and colours in three corners.
+    let buffers = 1 + (400 * faces as u64 / LARGEST_BUFFER) as usize;
+    let beside = (0..buffers).map(External::Buffer).chain([External::Image]);
+    std::iter::once(path.to_path_buf()).chain(beside.map(|file| path.with_file_name(file.name(path)))).collect()
+}
+
 /// Writes a `.gltf` file, its buffer `name.bin` and its palette `name.png` beside it.
 ///
 /// # Errors
-/// [`Error::Io`]. The `.gltf` itself is put in its place last, so that it never names a file that is
-/// not there.
+/// [`Error::Io`]. All files are complete before the first is put in its place; the `.gltf` itself comes
+/// last, so that it never names a file that is not there.
 pub(in crate::io) fn write_gltf(
     annotation: &Annotation<'_>,
     path: &Path,
@@ -67,26 +75,20 @@ pub(in crate::io) fn write_gltf(
     let image = palette_png(annotation);
     // The image is a file of its own: MeshLab can then save it again.
     let layout = Layout::new(annotation, None, LARGEST_BUFFER);
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let name = |file: External| match file {
-        External::Buffer(0) => format!("{stem}.bin"),
-        External::Buffer(n) => format!("{stem}-{n}.bin"),
-        External::Image => format!("{stem}.png"),
-    };
     let mut finished = Vec::new();
     for (n, streams) in layout.buffers().enumerate() {
-        let mut buffer = Output::create(&path.with_file_name(name(External::Buffer(n))))?;
+        let mut buffer = Output::create(&path.with_file_name(External::Buffer(n).name(path)))?;
         for stream in streams {
             write_stream(annotation, stream, None, &mut buffer, progress).map_err(|e| buffer.error(e))?;
         }
         finished.push(buffer);
     }
     if let Some(image) = &image {
-        let mut file = Output::create(&path.with_file_name(name(External::Image)))?;
+        let mut file = Output::create(&path.with_file_name(External::Image.name(path)))?;
         file.write_all(image).map_err(|e| file.error(e))?;
         finished.push(file);
     }
-    let json = layout.document(annotation, &|file| Some(percent_encode(&name(file))));
+    let json = layout.document(annotation, &|file| Some(percent_encode(&file.name(path))));
     let mut document = Output::create(path)?;
     document.write_all(&json).map_err(|e| document.error(e))?;
     finished.push(document);
@@ -134,10 +136,22 @@ pub(super) enum External {
     Image,
 }
 
-/// A corner in the output's space, as stored.
-pub(super) fn corner(annotation: &Annotation<'_>, p: DVec3) -> [f32; 3] {
+impl External {
+    /// Its file name beside a `.gltf`.
+    fn name(self, path: &Path) -> String {
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();
+        match self {
+            External::Buffer(0) => format!("{stem}.bin"),
+            External::Buffer(n) => format!("{stem}-{n}.bin"),
+            External::Image => format!("{stem}.png"),
+        }
+    }
+}
+
+/// A corner in the output's space, as stored. `remainder` is what the node's translation leaves over.
+pub(super) fn corner(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32; 3] {
     let clamp = |c: f64| c.clamp(f32::MIN.into(), f32::MAX.into()) as f32;
-    annotation.space.point(p).to_array().map(clamp)
+    (annotation.space.point(p) + remainder).to_array().map(clamp)
 }
 
 /// Writes what one buffer view holds.
@@ -157,13 +171,16 @@ fn write_stream(
         })
     };
     match stream {
-        Stream::Position { .. } => per_face(out, &|face, bytes| {
-            for p in annotation.finite_triangle(face) {
-                for c in corner(annotation, p) {
-                    bytes.extend(c.to_le_bytes());
+        Stream::Position { .. } => {
+            let remainder = annotation.translation_remainder();
+            per_face(out, &|face, bytes| {
+                for p in annotation.finite_triangle(face) {
+                    for c in corner(annotation, remainder, p) {
+                        bytes.extend(c.to_le_bytes());
+                    }
                 }
-            }
-        }),
+            })
+        }
         Stream::Value { quantity, component, .. } => {
             let factor = annotation.space.factor(quantity.dimension());
             per_face(out, &|face, bytes| {

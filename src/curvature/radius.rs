@@ -1,0 +1,113 @@
+//! The length of a disk's legs, also where it is to be found automatically.
+//!
+//! A disk says something about bending only if its sections leave the face and pass some edges, and
+//! something about one place only if the surface does not turn far over it. The automatic radius
+//! starts from the width of the faces around, and then
+//! - shrinks while the surface turns by more than 0.8 radians over it, but not below a quarter of the
+//!   first;
+//! - grows by a half while the surface turns by little and the radius is below three mean edges of
+//!   the face, unless the surface does not turn at all: a flat disk stays as it is.
+//!
+//! The width of a face is its least height. Long thin faces between others of the kind, as CAD
+//! programs make them, get a disk that passes several of them across and stays within the face along,
+//! where it does not matter; a needle among well-shaped faces gets the disk of its neighbours.
+
+use super::FaceCurvature;
+use super::options::{CurvatureOptions, Radius};
+use crate::disk::Disk;
+use crate::mesh::{EdgeKind, Face, Mesh};
+
+/// First radius in widths: three mean edges of a right-angled triangle of equal legs.
+const WIDTHS: f64 = 4.8;
+/// Turn in radians up to which a radius is kept.
+const LARGEST_TURN: f64 = 0.8;
+/// Turn up to which it may still grow.
+const SMALL_TURN: f64 = LARGEST_TURN / GROWTH;
+const GROWTH: f64 = 1.5;
+/// No growth beyond this many mean edges of the face.
+const MOST_EDGES: f64 = 3.0;
+/// A turn below this many radians is none: a flat of 32-bit coordinates.
+const NO_TURN: f64 = 1e-4;
+/// Most disks laid for one face.
+const MOST_ROUNDS: usize = 12;
+
+/// Chooses the radius of one face, disk by disk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RadiusSearch {
+    automatic: bool,
+    first: f64,
+    most: f64,
+    rounds: usize,
+}
+
+impl CurvatureOptions {
+    /// The radius where it is the same for all faces.
+    pub(crate) fn fixed_radius(&self, mesh: &Mesh) -> Option<f64> {
+        match self.radius {
+            Radius::FaceFactor(_) | Radius::Auto => None,
+            Radius::MeshFactor(factor) => Some(factor * mesh.mean_edge_of_mesh()),
+            Radius::Length(length) => Some(length),
+        }
+    }
+}
+
+impl RadiusSearch {
+    /// `fixed` is [`CurvatureOptions::fixed_radius`], computed once for a mesh. Returns the search
+    /// and the radius to begin with.
+    pub(super) fn new(mesh: &Mesh, face: Face, options: &CurvatureOptions, fixed: Option<f64>) -> (Self, f64) {
+        let first = match (fixed, options.radius) {
+            (Some(fixed), _) => fixed,
+            (None, Radius::FaceFactor(factor)) => factor * mesh.mean_edge(face),
+            (None, _) => WIDTHS * width_around(mesh, face),
+        };
+        let most = MOST_EDGES * mesh.mean_edge(face);
+        (RadiusSearch { automatic: options.radius == Radius::Auto, first, most, rounds: 0 }, first)
+    }
+
+    /// The next radius to try after a disk and its value; `None` to keep the value.
+    pub(super) fn next(&mut self, disk: &Disk, value: &FaceCurvature) -> Option<f64> {
+        self.rounds += 1;
+        if !self.automatic || self.rounds == MOST_ROUNDS {
+            return None;
+        }
+        let radius = disk.radius();
+        let turn = radius * f64::from(value.k_max.abs().max(value.k_min.abs()));
+        if radius <= self.first {
+            let wanted = (radius * LARGEST_TURN / turn).max(0.25 * self.first);
+            // A fifth of slack, so that a disk is laid again only where that changes something.
+            if turn.is_finite() && wanted < 0.83 * radius {
+                return Some(wanted);
+            }
+        }
+        let grown = GROWTH * radius;
+        let may_grow = radius >= self.first && turn < SMALL_TURN && grown <= self.most;
+        (may_grow && (turn > NO_TURN || leaves_nothing_to_see(disk))).then_some(grown)
+    }
+}
+
+/// True when no section passes an edge.
+fn leaves_nothing_to_see(disk: &Disk) -> bool {
+    disk.legs().iter().all(|leg| leg.length <= leg.first)
+}
+
+/// The second largest width among the face and its neighbours across inner edges; its own where it
+/// has none.
+fn width_around(mesh: &Mesh, face: Face) -> f64 {
+    let (mut largest, mut second) = (width(mesh, face), 0.0_f64);
+    for h in face.half_edges() {
+        let neighbour = mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner);
+        if let Some(neighbour) = neighbour {
+            let width = width(mesh, neighbour.face());
+            second = second.max(width.min(largest));
+            largest = largest.max(width);
+        }
+    }
+    if second > 0.0 { second } else { largest }
+}
+
+/// The least height of a face.
+fn width(mesh: &Mesh, face: Face) -> f64 {
+    let [a, b, c] = mesh.triangle(face);
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
+    2.0 * mesh.area(face) / longest
+}
