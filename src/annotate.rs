@@ -1,28 +1,20 @@
 //! The main job as a list of verbs: read, weld, estimate, colour, write.
 
-use crate::annotation::{Annotation, ColorCarrier, Space, Unit};
+use crate::annotation::{Annotation, ColorCarrier, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
+use crate::edge_lines::edge_layers;
 use crate::error::Error;
-use crate::io::{self, Destination, InputFormat, OutputFormat};
+use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
+use glam::DVec3;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Which of the input's axes points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum UpAxis {
-    /// +Y, as in glTF.
-    Y,
-    /// +Z; a glTF output is turned so that it becomes +Y.
-    Z,
-}
 
 /// Settings for [`annotate`].
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +37,11 @@ pub struct AnnotateOptions {
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
     pub unit: Option<Unit>,
+    /// A `.glb` that gets the boundary, feature and non-manifold edges as lines.
+    pub edges: Option<PathBuf>,
+    /// With `edges`: the silhouette as well, for this direction from the viewer to the mesh, in the
+    /// input's axes.
+    pub view: Option<DVec3>,
     /// Whether the summary is to have the percentiles of the values, which cost some sorting.
     pub summarise: bool,
 }
@@ -61,6 +58,8 @@ impl Default for AnnotateOptions {
             carrier: ColorCarrier::Texture,
             up: None,
             unit: None,
+            edges: None,
+            view: None,
             summarise: true,
         }
     }
@@ -87,20 +86,8 @@ impl AnnotateOptions {
 
     /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
     fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
-        if input == InputFormat::Gltf {
-            if self.unit.is_some() {
-                return Err(Error::Usage("--unit does not apply to glTF, whose unit is the metre".into()));
-            }
-            if self.up == Some(UpAxis::Z) {
-                return Err(Error::Usage("--up z does not apply to glTF, in which Y is up".into()));
-            }
-        }
-        if !output.is_gltf() {
-            return Ok(Space::default());
-        }
-        let z_up = self.up.map_or(input.is_z_up(), |up| up == UpAxis::Z);
-        let unit = if input == InputFormat::Gltf { Some(Unit::Metre) } else { self.unit };
-        Ok(Space { z_up, unit })
+        let space = Space::to_gltf(input, self.up, self.unit)?;
+        Ok(if output.is_gltf() { space } else { Space::default() })
     }
 
     /// All that is needed to repeat a run, as it stands in files and statistics.
@@ -179,6 +166,14 @@ pub fn annotate(
     notes.extend(mesh.report().remarks().into_iter().map(Note::info));
     notes.extend(note_of_low_coverage(&values));
     notes.extend(annotation.note_of_missing_face_numbers(format));
+    if let Some(path) = &options.edges {
+        let layers = edge_layers(&mesh, options.view);
+        let space = Space::to_gltf(input_format, options.up, options.unit)?;
+        let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
+        let mut out = Output::create(path)?;
+        io::write_lines(&scene, &mut out)?;
+        out.finish()?;
+    }
     io::write(&annotation, format, destination, progress)?;
     let write = start.elapsed();
 

@@ -2,7 +2,8 @@
 
 use crate::color::{ColorScale, NOT_ESTIMATED_INDEX, class_index, scale_index};
 use crate::curvature::FaceCurvature;
-use crate::io::OutputFormat;
+use crate::error::Error;
+use crate::io::{InputFormat, OutputFormat};
 use crate::mesh::Mesh;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
@@ -57,7 +58,35 @@ pub struct Space {
     pub unit: Option<Unit>,
 }
 
+/// Which of the input's axes points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UpAxis {
+    /// +Y, as in glTF.
+    Y,
+    /// +Z; a glTF output is turned so that it becomes +Y.
+    Z,
+}
+
 impl Space {
+    /// From an input's axes and units to those of glTF. Without `up`, +Z is up in STL and +Y in
+    /// everything else.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where the input is glTF, whose axes and unit are fixed.
+    pub fn to_gltf(input: InputFormat, up: Option<UpAxis>, unit: Option<Unit>) -> Result<Self, Error> {
+        if input == InputFormat::Gltf {
+            if unit.is_some() {
+                return Err(Error::Usage("--unit does not apply to glTF, whose unit is the metre".into()));
+            }
+            if up == Some(UpAxis::Z) {
+                return Err(Error::Usage("--up z does not apply to glTF, in which Y is up".into()));
+            }
+        }
+        let z_up = up.map_or(input.is_z_up(), |up| up == UpAxis::Z);
+        Ok(Space { z_up, unit: if input == InputFormat::Gltf { Some(Unit::Metre) } else { unit } })
+    }
+
     /// Output length of an input length of one.
     pub fn scale(self) -> f64 {
         self.unit.map_or(1.0, Unit::in_metres)

@@ -224,9 +224,13 @@ fn robust_magnitude(quantity: Quantity, values: &[FaceCurvature]) -> f64 {
 
 /// The linear-light value of an sRGB channel, 8 bits in and out.
 pub(crate) fn linear(channel: u8) -> u8 {
-    let c = f64::from(channel) / 255.0;
-    let light = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
-    (255.0 * light).round() as u8
+    (255.0 * linear_factor(channel)).round() as u8
+}
+
+/// The linear-light value of an sRGB channel, 0 to 1.
+pub(crate) fn linear_factor(channel: u8) -> f32 {
+    let c = f32::from(channel) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 #[cfg(test)]

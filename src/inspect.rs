@@ -52,6 +52,8 @@ pub struct Inspection {
     pub edge_lengths: Option<EdgeLengths>,
     /// Sum of the areas of all faces, in file units squared.
     pub area: f64,
+    /// Silhouette edges for the view direction, where one was given.
+    pub silhouette_edges: Option<usize>,
     /// Named groups of faces in the file.
     pub groups: usize,
     /// The placed meshes, for glTF.
@@ -64,11 +66,17 @@ pub struct Inspection {
     pub suggestions: Vec<String>,
 }
 
-/// Reads a file and says what is in it.
+/// Reads a file and says what is in it. `view` is a direction from the viewer to the mesh for which
+/// silhouette edges are counted.
 ///
 /// # Errors
 /// Any [`Error`] of reading or of building the mesh.
-pub fn inspect(input: &Path, options: &MeshOptions, progress: &dyn Progress) -> Result<Inspection, Error> {
+pub fn inspect(
+    input: &Path,
+    options: &MeshOptions,
+    view: Option<DVec3>,
+    progress: &dyn Progress,
+) -> Result<Inspection, Error> {
     options.check()?;
     let (soup, format) = io::read(input, progress)?;
     let mesh = Mesh::from_soup(&soup, options).map_err(|e| e.in_file(input))?;
@@ -80,6 +88,7 @@ pub fn inspect(input: &Path, options: &MeshOptions, progress: &dyn Progress) -> 
         suggestions: suggestions(&report, edge_lengths, options),
         edge_lengths,
         area: (0..mesh.face_count() as u32).map(|f| mesh.area(Face(f))).filter(|a| a.is_finite()).sum(),
+        silhouette_edges: view.map(|view| count_silhouette(&mesh, view)),
         groups: soup.groups.len(),
         scene: mesh.scene().map(|scene| summarise(scene, &mesh)),
         feature_angle: options.feature_angle,
@@ -93,6 +102,11 @@ impl Inspection {
     pub fn has_defects(&self) -> bool {
         self.report.has_defects() || self.notes.iter().any(|note| note.repaired)
     }
+}
+
+fn count_silhouette(mesh: &Mesh, view: DVec3) -> usize {
+    let sides = (0..3 * mesh.face_count() as u32).into_par_iter().map(HalfEdge);
+    sides.filter(|&h| mesh.topology().twin(h).is_some_and(|twin| h < twin) && mesh.is_silhouette(h, view)).count()
 }
 
 fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {

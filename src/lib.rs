@@ -29,6 +29,7 @@ mod color;
 mod curvature;
 mod cut;
 mod disk;
+mod edge_lines;
 mod error;
 mod inspect;
 mod io;
@@ -44,19 +45,20 @@ pub mod synth;
 mod trace;
 mod triangulate;
 
-pub use annotate::{AnnotateOptions, UpAxis, annotate};
-pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Space, Unit};
+pub use annotate::{AnnotateOptions, annotate};
+pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use curvature::{
-    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius, estimate, from_disk, normal_curvature,
+    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius, disk_at, estimate, from_disk, normal_curvature,
 };
 pub use cut::cut;
 pub use disk::{Diameter, Disk, Frame, Leg};
+pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
 pub use io::{
-    Destination, InputFormat, Output, OutputFormat, check_size, read, read_bytes, real_path, remove_unfinished_outputs,
-    write, write_mesh,
+    Destination, InputFormat, LineScene, Output, OutputFormat, check_size, read, read_bytes, real_path,
+    remove_unfinished_outputs, write, write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{

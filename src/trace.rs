@@ -91,7 +91,7 @@ pub fn trace(
     curvature: &CurvatureOptions,
     options: &TraceOptions,
 ) -> Result<Vec<Trace>, Error> {
-    curvature.check()?;
+    curvature.check_for(mesh)?;
     if !(1..=1_000_000).contains(&options.steps) {
         return Err(Error::Usage(format!("the number of steps must be 1 to 1000000, not {}", options.steps)));
     }

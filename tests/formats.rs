@@ -121,7 +121,7 @@ fn the_cad_cylinder_is_flat_on_top_and_round_at_its_side() {
 #[test]
 fn a_scene_is_placed_by_its_nodes() {
     for name in ["two_meshes.glb", "two_meshes.gltf"] {
-        let found = osculate::inspect(&fixture(name), &MeshOptions::default(), &NoProgress).expect("a scene");
+        let found = osculate::inspect(&fixture(name), &MeshOptions::default(), None, &NoProgress).expect("a scene");
         let bounds = found.scene.and_then(|s| s.bounds).expect("bounds");
         let expected = [-3.92644, -0.00277977, -3.30413, 6.34774, 4.00278, 3.26918];
         let actual: Vec<f64> = bounds.min.to_array().into_iter().chain(bounds.max.to_array()).collect();

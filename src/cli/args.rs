@@ -3,8 +3,8 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, ColorCarrier, Colormap, CurvatureOptions, Estimator, MeshOptions, OutputFormat, Quantity, Radius,
-    Range, Selection, Unit, UpAxis,
+    Along, AnnotateOptions, ColorCarrier, Colormap, CurvatureOptions, Estimator, InputFormat, MeshOptions,
+    OutputFormat, Quantity, Radius, Range, Selection, Space, TraceOptions, Unit, UpAxis,
 };
 use std::path::PathBuf;
 
@@ -16,7 +16,12 @@ Examples:
   osculate annotate scan.ply -o scan.glb
   osculate annotate part.stl -o part.glb --unit mm --color-by k_max
   osculate annotate part.stl -o part.csv
-  osculate inspect part.stl";
+  osculate inspect part.stl
+  osculate section part.stl --plane 0,0,1,-5 -o cut.svg
+
+A disk is laid around every face: legs of one length, the radius, walked over the mesh
+from the face's centre in normal planes. Curvature is read off its sections; coverage is
+the share of legs that no border or sharp edge cut short.";
 
 /// Curvature of every face of a triangle mesh, written as glTF attributes and colour maps.
 #[derive(Debug, Parser)]
@@ -32,6 +37,12 @@ pub(super) enum Command {
     Annotate(Box<AnnotateArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
+    /// Draw the disk of one face: its legs, rim and principal directions, as glTF lines
+    Disk(Box<DiskArgs>),
+    /// Step along a principal direction, from one face or many, as glTF lines or CSV
+    Trace(Box<TraceArgs>),
+    /// Cut the whole mesh with a plane, as glTF lines or SVG
+    Section(SectionArgs),
     /// Make a synthetic mesh whose curvature is known exactly
     Synth(SynthArgs),
     /// Print a completion script for a shell
@@ -48,6 +59,9 @@ impl Command {
         match self {
             Command::Annotate(args) => Some(&args.common),
             Command::Inspect(args) => Some(&args.common),
+            Command::Disk(args) => Some(&args.common),
+            Command::Trace(args) => Some(&args.common),
+            Command::Section(args) => Some(&args.common),
             Command::Synth(args) => Some(&args.common),
             Command::Completions { .. } | Command::Man => None,
         }
@@ -75,6 +89,16 @@ pub(super) struct AnnotateArgs {
 
     #[command(flatten)]
     pub(super) look: LookArgs,
+
+    /// Also write the boundary, feature and non-manifold edges as glTF lines (.glb)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) edges: Option<PathBuf>,
+
+    /// With --edges: also the silhouette for this direction from the viewer to the mesh, in the
+    /// input's axes
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, requires = "edges", allow_hyphen_values = true,
+          help_heading = "Output")]
+    pub(super) view: Option<DVec3>,
 
     /// Also write counts, seconds per stage and percentiles of the values as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -195,6 +219,8 @@ impl AnnotateArgs {
             carrier: self.look.color.into(),
             up: self.look.up.map(Into::into),
             unit: self.look.unit.map(Into::into),
+            edges: self.edges.clone(),
+            view: self.view,
             // Percentiles are only told where someone asks.
             summarise: self.stats.is_some() || self.common.verbose,
         })
@@ -210,8 +236,144 @@ pub(super) struct InspectArgs {
     #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
     pub(super) format: ReportFormat,
 
+    /// Also count the silhouette edges for this direction from the viewer to the mesh, in the input's
+    /// axes
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) view: Option<DVec3>,
+
     #[command(flatten)]
     pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+/// A point of the surface.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Place")]
+pub(super) struct PlaceArgs {
+    /// The face, by its number from 0 in the order of the input
+    #[arg(long, value_name = "N")]
+    pub(super) face: Option<u64>,
+
+    /// Where in the face: shares of the way along its first and its last edge from its first corner,
+    /// both 0 or more, their sum at most 1. Default: the barycentre
+    #[arg(long, value_name = "U,V", value_parser = pair, requires = "face", allow_hyphen_values = true)]
+    pub(super) at: Option<[f64; 2]>,
+
+    /// The point of the mesh nearest to this one, in the input's coordinates; at most a tenth of the
+    /// mesh's size away
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, conflicts_with = "face", allow_hyphen_values = true)]
+    pub(super) point: Option<DVec3>,
+}
+
+/// Axes and units of a glTF output.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct SpaceArgs {
+    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise
+    #[arg(long, value_enum)]
+    up: Option<UpArg>,
+
+    /// The input's unit; glTF output is scaled to metres. Default: lengths stay as they are
+    #[arg(long, value_enum)]
+    unit: Option<UnitArg>,
+}
+
+impl SpaceArgs {
+    pub(super) fn space(&self, input: InputFormat) -> Result<Space, osculate::Error> {
+        Space::to_gltf(input, self.up.map(Into::into), self.unit.map(Into::into))
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct DiskArgs {
+    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    pub(super) input: PathBuf,
+
+    /// File to write: .glb
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Also write the value of every diameter as CSV: angle, curvature, lengths, chord, stops
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) values: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) place: PlaceArgs,
+
+    #[command(flatten)]
+    pub(super) estimation: EstimationArgs,
+
+    #[command(flatten)]
+    pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) space: SpaceArgs,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct TraceArgs {
+    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    pub(super) input: PathBuf,
+
+    /// File to write; its extension chooses the format: .glb or .csv
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    /// Direction to follow
+    #[arg(long, value_enum, default_value_t = AlongArg::Max, help_heading = "Path")]
+    pub(super) along: AlongArg,
+
+    /// Most steps, each as long as the disk's radius; 1 to 1000000
+    #[arg(long, value_name = "M", default_value_t = TraceOptions::default().steps, help_heading = "Path")]
+    pub(super) steps: usize,
+
+    /// Go both ways from each seed
+    #[arg(long, help_heading = "Path")]
+    pub(super) both: bool,
+
+    /// Trace from this many faces spread evenly over the area, instead of from one place
+    #[arg(long, value_name = "N", conflicts_with_all = ["face", "point"], value_parser = seeds, help_heading = "Path")]
+    pub(super) seeds: Option<usize>,
+
+    #[command(flatten)]
+    pub(super) place: PlaceArgs,
+
+    #[command(flatten)]
+    pub(super) estimation: EstimationArgs,
+
+    #[command(flatten)]
+    pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) space: SpaceArgs,
+
+    #[command(flatten)]
+    pub(super) common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SectionArgs {
+    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    pub(super) input: PathBuf,
+
+    /// The plane a x + b y + c z + d = 0, in the input's coordinates; a, b, c not all 0
+    #[arg(long, value_name = "A,B,C,D", value_parser = plane, allow_hyphen_values = true)]
+    pub(super) plane: [f64; 4],
+
+    /// File to write; its extension chooses the format: .glb or .svg
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    #[command(flatten)]
+    pub(super) mesh: MeshArgs,
+
+    #[command(flatten)]
+    pub(super) space: SpaceArgs,
 
     #[command(flatten)]
     pub(super) common: CommonArgs,
@@ -359,6 +521,13 @@ impl From<Estimator> for EstimatorArg {
     }
 }
 
+choices!(AlongArg => Along {
+    /// Where the surface bends most
+    Max => Along::Max,
+    /// Where it bends least
+    Min => Along::Min,
+});
+
 choices!(FormatArg => OutputFormat {
     Glb => OutputFormat::Glb,
     Gltf => OutputFormat::Gltf,
@@ -442,10 +611,30 @@ fn range(text: &str) -> Result<Range, String> {
 }
 
 fn vector(text: &str) -> Result<DVec3, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::trim).map(str::parse).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, z]) if [x, y, z].iter().all(|c: &f64| c.is_finite()) => Ok(DVec3::new(x, y, z)),
-        _ => Err("give three numbers separated by commas".into()),
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "give three numbers separated by commas".into())
+}
+
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|s| s.trim().parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok().filter(|all: &[f64; N]| all.iter().all(|c| c.is_finite()))
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text).ok_or_else(|| "give two numbers separated by a comma".into())
+}
+
+fn plane(text: &str) -> Result<[f64; 4], String> {
+    match numbers(text) {
+        Some([0.0, 0.0, 0.0, _]) => Err("a, b and c must not all be 0".into()),
+        Some(plane) => Ok(plane),
+        None => Err("give four numbers a,b,c,d".into()),
+    }
+}
+
+fn seeds(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1_000_000) => Ok(n),
+        _ => Err("give a number from 1 to 1000000".into()),
     }
 }
 

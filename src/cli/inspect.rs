@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 pub(super) fn run(args: &InspectArgs, messages: &Messages) -> Result<Outcome, Error> {
     let bars = Bars::new(messages.wants_progress());
-    let inspection = osculate::inspect(&args.input, &args.mesh.options(), &bars)?;
+    let inspection = osculate::inspect(&args.input, &args.mesh.options(), args.view, &bars)?;
     let text = match args.format {
         ReportFormat::Json => serde_json::to_string_pretty(&inspection).unwrap_or_default() + "\n",
         ReportFormat::Text => describe(&inspection),
@@ -65,6 +65,9 @@ fn describe(found: &Inspection) -> String {
     };
     let manifold = if edges.non_manifold > 0 { "not manifold" } else { "manifold" };
     line("surface", &format!("{}, {orientable}, {manifold}", if report.closed { "closed" } else { "open" }));
+    if let Some(count) = found.silhouette_edges {
+        line("silhouette", &format!("{count} edges"));
+    }
     if found.groups > 0 {
         line("groups", &found.groups.to_string());
     }

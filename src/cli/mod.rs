@@ -2,10 +2,14 @@
 
 mod annotate;
 mod args;
+mod disk;
 mod inspect;
 mod messages;
+mod place;
 mod progress;
+mod section;
 mod synth;
+mod trace;
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
@@ -50,6 +54,9 @@ pub(crate) fn run() -> ExitCode {
     let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
         Command::Annotate(args) => annotate::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
+        Command::Disk(args) => disk::run(args, &messages),
+        Command::Trace(args) => trace::run(args, &messages),
+        Command::Section(args) => section::run(args, &messages),
         Command::Synth(args) => synth::run(args, &messages),
         Command::Completions { shell } => {
             let mut script = Vec::new();

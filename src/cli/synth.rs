@@ -12,7 +12,7 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
     check(args)?;
     // Opened before any work, so that a wrong folder is known at once.
     let exact = args.exact.as_deref().map(Output::create).transpose()?;
-    let synthetic = build(args);
+    let synthetic = build(args)?;
     osculate::write_mesh(&synthetic.soup, &args.output)?;
     if let Some(mut out) = exact {
         out.write_all(synthetic.exact_csv().as_bytes()).map_err(|e| out.error(e))?;
@@ -43,7 +43,7 @@ fn check(args: &SynthArgs) -> Result<(), Error> {
     }
 }
 
-fn build(args: &SynthArgs) -> Synthetic {
+fn build(args: &SynthArgs) -> Result<Synthetic, Error> {
     let surface = match args.shape {
         ShapeArg::Plane => Surface::Plane,
         ShapeArg::Sphere => Surface::Sphere { radius: args.radius },
@@ -53,14 +53,20 @@ fn build(args: &SynthArgs) -> Synthetic {
         ShapeArg::Saddle => Surface::Saddle,
         ShapeArg::MonkeySaddle => Surface::MonkeySaddle,
         ShapeArg::Wave => Surface::Wave,
-        ShapeArg::Box => return rounded_box(args, 0.0).build(),
-        ShapeArg::FilletBox => return rounded_box(args, args.fillet).build(),
+        ShapeArg::Box => return Ok(rounded_box(args, 0.0).build()),
+        ShapeArg::FilletBox => return Ok(rounded_box(args, args.fillet).build()),
     };
     let grid = match args.cells {
-        Some([u, v]) => Grid::new(surface, u, v),
+        Some([u, v]) => {
+            let [least_u, least_v] = surface.least_cells();
+            if u < least_u || v < least_v {
+                return Err(Error::Usage(format!("--cells must be at least {least_u},{least_v} for this shape")));
+            }
+            Grid::new(surface, u, v)
+        }
         None => Grid::with_faces(surface, args.faces, args.aspect),
     };
-    Grid { jitter: args.jitter, noise: args.noise, seed: args.seed, ..grid }.build()
+    Ok(Grid { jitter: args.jitter, noise: args.noise, seed: args.seed, ..grid }.build())
 }
 
 /// Cells of a flat and of half a fillet: as given, or so that both are about as long.

@@ -16,6 +16,7 @@ pub use values::FaceCurvature;
 use crate::disk::{Diameter, Disk, Frame};
 use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
+use crate::place::Place;
 use crate::progress::{Progress, Stage};
 use euler::EulerFit;
 use radius::RadiusSearch;
@@ -44,7 +45,7 @@ const CHUNK: usize = 4096;
 /// # Errors
 /// [`Error::Usage`] for options out of range.
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
-    options.check()?;
+    options.check_for(mesh)?;
     let count = mesh.face_count();
     let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
     let fixed = options.fixed_radius(mesh);
@@ -145,4 +146,17 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
         coverage: disk.coverage() as f32,
         class: FaceClass::of(euler.k_max, euler.k_min, disk.radius(), options.class_tolerance),
     }
+}
+
+/// The disk around a place of the surface, its frame and the curvature read off it.
+///
+/// # Errors
+/// [`Error::Usage`] for options out of range or a face without area.
+pub fn disk_at(mesh: &Mesh, place: Place, options: &CurvatureOptions) -> Result<(Disk, Frame, FaceCurvature), Error> {
+    options.check_for(mesh)?;
+    let frame = Frame::at(mesh, place)
+        .ok_or_else(|| Error::Usage(format!("face {} has no area, so no disk can be laid on it", place.face.0)))?;
+    let mut disk = Disk::new();
+    let value = curvature_at(mesh, place.face, &frame, options, options.fixed_radius(mesh), &mut disk);
+    Ok((disk, frame, value))
 }

@@ -1,6 +1,7 @@
 //! Settings of the estimation.
 
 use crate::error::Error;
+use crate::mesh::Mesh;
 
 /// How normal curvature is read off a diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -73,6 +74,18 @@ impl Default for CurvatureOptions {
 }
 
 impl CurvatureOptions {
+    /// Checks every range, and a radius against the mesh.
+    pub(crate) fn check_for(&self, mesh: &Mesh) -> Result<(), Error> {
+        self.check()?;
+        let size = mesh.report().bounds.map_or(0.0, |bounds| bounds.size().length());
+        match self.radius {
+            Radius::Length(length) if length > size => {
+                Err(Error::Usage(format!("the radius {length} is larger than the mesh, which is {size} across")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Checks every range.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let usage = |message: String| Err(Error::Usage(message));

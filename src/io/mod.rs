@@ -8,10 +8,13 @@ mod output;
 mod plain;
 mod ply;
 mod stl;
+mod svg;
 mod text;
 
+pub use gltf::{LineScene, write_lines};
 pub use output::{Output, remove_unfinished_outputs};
 pub use plain::write_mesh;
+pub use svg::write_svg;
 
 use crate::annotation::{Annotation, ColorCarrier};
 use crate::error::{Error, ParseError};

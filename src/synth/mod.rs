@@ -68,9 +68,8 @@ impl Grid {
         let [length_u, length_v] = surface.lengths();
         let v = (0.5 * faces as f64 * aspect * length_v / length_u).sqrt();
         let u = 0.5 * faces as f64 / v;
-        let least = |axis: Axis| if axis.periodic { 3.0 } else { 1.0 };
-        let axes = surface.axes();
-        Grid::new(surface, u.round().max(least(axes[0])) as usize, v.round().max(least(axes[1])) as usize)
+        let [least_u, least_v] = surface.least_cells();
+        Grid::new(surface, (u.round() as usize).max(least_u), (v.round() as usize).max(least_v))
     }
 
     /// The mesh, with the exact curvature of the surface under every face's barycentre.

@@ -75,6 +75,12 @@ pub(super) struct Axis {
 }
 
 impl Surface {
+    /// The least number of cells along u and v: 3 around, 2 between poles, 1 otherwise.
+    pub fn least_cells(&self) -> [usize; 2] {
+        let [u, v] = self.axes().map(|axis| if axis.periodic { 3 } else { 1 });
+        [u, if self.has_poles() { 2 } else { v }]
+    }
+
     /// The ranges of u and v.
     pub(super) fn axes(&self) -> [Axis; 2] {
         let turn = Axis { start: 0.0, end: 2.0 * PI, periodic: true };

@@ -32,6 +32,16 @@ for input in "$fixtures"/*.{stl,obj,ply,glb,gltf}; do
         *.stl | *.obj | *.ply) write "$input" "$name-mm.glb" --up z --unit mm ;;
     esac
 done
+# Files of lines: disks, traces, sections, edges.
+torus=$out/torus.ply
+"$program" synth torus --faces 3000 -o "$torus" -q
+"$program" disk "$torus" --face 7 -o "$out/disk.glb" -q
+"$program" trace "$torus" --face 7 --steps 9 -o "$out/trace.glb" -q
+"$program" trace "$torus" --seeds 20 --both --steps 9 -o "$out/traces.glb" -q
+"$program" section "$torus" --plane 0,1,0,-0.5 -o "$out/section.glb" -q
+write "$fixtures/cylinder_holes.stl" edges-of.glb --edges "$out/edges.glb" --view 1,2,3
+write "$fixtures/suzanne.stl" edges-of-suzanne.glb --edges "$out/edges-suzanne.glb"
+
 # No message of any severity: none of the inputs has one that its output could keep.
 node validate.mjs "$out"/*.glb "$out"/*.gltf
 echo "$(ls "$out"/*.glb "$out"/*.gltf | wc -l) files without a message from the validator"

@@ -9,10 +9,12 @@ mod buffers;
 mod container;
 mod geometry;
 mod layout;
+mod lines;
 mod read;
 mod scene;
 mod write;
 
 pub(super) use layout::{check_glb_length, faces_byte_length};
+pub use lines::{LineScene, write_lines};
 pub(super) use read::read;
 pub(super) use write::{files_beside, write_embedded, write_glb, write_gltf};

@@ -33,23 +33,39 @@ pub(in crate::io) fn write_glb(
 ) -> Result<(), Error> {
     let image = palette_png(annotation);
     let layout = Layout::new(annotation, image.as_deref(), u64::MAX);
-    let mut json = layout.document(annotation, &|_| None);
+    let json = layout.document(annotation, &|_| None);
+    write_chunks(json, layout.byte_length(), out, |out| {
+        layout
+            .buffers()
+            .flatten()
+            .try_for_each(|stream| write_stream(annotation, stream, image.as_deref(), out, progress))
+    })
+}
+
+/// Writes the header, the document and the binary chunk of a GLB.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::TooLarge`] past 4 GiB.
+pub(super) fn write_chunks(
+    mut json: Vec<u8>,
+    length: u64,
+    out: &mut Output,
+    body: impl FnOnce(&mut Output) -> io::Result<()>,
+) -> Result<(), Error> {
     json.resize(json.len().next_multiple_of(4), b' ');
-    let body = layout.byte_length().next_multiple_of(4);
-    let total = 12 + 8 + json.len() as u64 + 8 + body;
+    let padded = length.next_multiple_of(4);
+    let total = 12 + 8 + json.len() as u64 + 8 + padded;
     check_glb_length(total)?;
     let write = |out: &mut Output| -> io::Result<()> {
         for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
             out.write_all(&u32::to_le_bytes(word))?;
         }
         out.write_all(&json)?;
-        for word in [body as u32, 0x004e_4942] {
+        for word in [padded as u32, 0x004e_4942] {
             out.write_all(&u32::to_le_bytes(word))?;
         }
-        for stream in layout.buffers().flatten() {
-            write_stream(annotation, stream, image.as_deref(), out, progress)?;
-        }
-        out.write_all(&[0; 3][..(body - layout.byte_length()) as usize])
+        body(out)?;
+        out.write_all(&[0; 3][..(padded - length) as usize])
     };
     write(out).map_err(|e| out.error(e))
 }

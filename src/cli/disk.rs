@@ -1,0 +1,106 @@
+//! `osculate disk`.
+
+use super::Outcome;
+use super::args::DiskArgs;
+use super::messages::Messages;
+use super::place::{extension, read_mesh};
+use glam::DVec3;
+use osculate::{
+    CurvatureOptions, Disk, Error, FaceCurvature, Frame, Layer, Leg, LineScene, Mesh, Output, Polyline, Stop,
+};
+use serde_json::json;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error> {
+    extension(&args.output, &["glb"])?;
+    let options = args.estimation.options();
+    let outputs: Vec<_> = std::iter::once(args.output.as_path()).chain(args.values.as_deref()).collect();
+    let input = read_mesh(&args.input, &outputs, &args.mesh, messages)?;
+    let mesh = &input.mesh;
+    let place = args.place.find(mesh)?;
+    let (disk, frame, value) = osculate::disk_at(mesh, place, &options)?;
+
+    let layers = layers(mesh, place.face, &disk, &frame, &value);
+    let extras = json!({ "osculate": {
+        "face": place.face.0, "weights": place.weights, "k_max": value.k_max, "k_min": value.k_min,
+        "gauss_perimeter": value.gauss_perimeter, "radius": value.radius, "coverage": value.coverage,
+        "class": value.class, "estimator": options.estimator,
+    } });
+    let scene = LineScene { layers: &layers, origin: mesh.origin(), space: args.space.space(input.format)?, extras };
+    let mut out = Output::create(&args.output)?;
+    osculate::write_lines(&scene, &mut out)?;
+    let values = args.values.as_deref().map(Output::create).transpose()?;
+    if let Some(mut out) = values {
+        out.write_all(diameters(&disk, &options).as_bytes()).map_err(|e| out.error(e))?;
+        out.finish()?;
+    }
+    out.finish()?;
+    messages.info(&format!(
+        "face {}: k_max {}, k_min {}, radius {}, coverage {}, {}",
+        place.face.0,
+        value.k_max,
+        value.k_min,
+        value.radius,
+        value.coverage,
+        value.class.name()
+    ));
+    Ok(Outcome::of(input.has_defects))
+}
+
+/// Legs, rim and the two principal directions, the longer one that of k_max (the paper's figures).
+fn layers(mesh: &Mesh, face: osculate::Face, disk: &Disk, frame: &Frame, value: &FaceCurvature) -> Vec<Layer> {
+    let count = disk.legs().len();
+    let direction = |i: usize| frame.direction(std::f64::consts::TAU * i as f64 / count as f64);
+    let legs = (0..count).map(|i| {
+        let mut points = vec![frame.centre];
+        Leg::walk(mesh, face, frame, direction(i), disk.radius(), |p| points.push(frame.lift(direction(i), p)));
+        Polyline::open(points)
+    });
+    let rim = disk.legs().iter().enumerate().map(|(i, leg)| frame.lift(direction(i), leg.end));
+    let principal = |direction: DVec3, length: f64| {
+        let half = 0.5 * length * disk.radius() * direction;
+        vec![Polyline::open([frame.centre - half, frame.centre + half])]
+    };
+    let layer = |name: &str, color, lines| Layer { name: name.into(), color, lines };
+    vec![
+        layer("legs", [90, 90, 90], legs.collect()),
+        layer("rim", [0, 0, 0], vec![Polyline::closed(rim)]),
+        layer("dir_max", [213, 94, 0], principal(value.dir_max.as_dvec3(), 1.6)),
+        layer("dir_min", [0, 114, 178], principal(value.dir_min.as_dvec3(), 0.8)),
+    ]
+}
+
+/// One row per diameter.
+fn diameters(disk: &Disk, options: &CurvatureOptions) -> String {
+    let mut csv =
+        String::from("angle_degrees,curvature,length_forward,length_backward,chord,stop_forward,stop_backward\n");
+    for d in disk.diameters() {
+        let curvature = osculate::normal_curvature(&d, options.estimator).map(|k| k.to_string()).unwrap_or_default();
+        let along = d.forward.end.x + d.backward.end.x;
+        let chord = along.hypot(d.forward.end.y - d.backward.end.y);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            csv,
+            "{},{curvature},{},{},{chord},{},{}",
+            d.angle.to_degrees(),
+            d.forward.length,
+            d.backward.length,
+            stop(d.forward.stop),
+            stop(d.backward.stop)
+        );
+    }
+    csv
+}
+
+fn stop(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Length => "length",
+        Stop::Boundary => "boundary",
+        Stop::Feature => "feature",
+        Stop::NonManifold => "non_manifold",
+        Stop::Turned => "turned",
+        Stop::Closed => "closed",
+        Stop::Missed => "missed",
+    }
+}

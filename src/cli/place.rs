@@ -1,0 +1,52 @@
+//! Reading a mesh and finding a place on it: what `disk`, `trace` and `section` begin with.
+
+use super::args::{MeshArgs, PlaceArgs};
+use super::messages::Messages;
+use super::progress::Bars;
+use osculate::{Error, InputFormat, Mesh, Place};
+use std::path::Path;
+
+/// A mesh and what its file was like.
+pub(super) struct Input {
+    pub(super) mesh: Mesh,
+    pub(super) format: InputFormat,
+    pub(super) has_defects: bool,
+}
+
+/// Reads a mesh and says what is wrong with it. None of `outputs` may be the input.
+pub(super) fn read_mesh(path: &Path, outputs: &[&Path], mesh: &MeshArgs, messages: &Messages) -> Result<Input, Error> {
+    for output in outputs {
+        if osculate::real_path(output) == osculate::real_path(path) {
+            return Err(Error::Usage(format!("{} is the input; choose another output", output.display())));
+        }
+    }
+    let (soup, format) = osculate::read(path, &Bars::new(messages.wants_progress()))?;
+    let mesh = Mesh::from_soup(&soup, &mesh.options()).map_err(|e| e.in_file(path))?;
+    soup.notes.iter().for_each(|note| messages.note(note));
+    mesh.report().defects().iter().for_each(|defect| messages.warning(defect));
+    let has_defects = mesh.report().has_defects() || soup.notes.iter().any(|note| note.repaired);
+    Ok(Input { mesh, format, has_defects })
+}
+
+impl PlaceArgs {
+    /// The place asked for.
+    pub(super) fn find(&self, mesh: &Mesh) -> Result<Place, Error> {
+        match (self.face, self.point) {
+            (Some(face), _) => {
+                let [u, v] = self.at.unwrap_or([1.0 / 3.0; 2]);
+                Place::in_face(mesh, face, [u, v])
+            }
+            (None, Some(point)) => Place::nearest(mesh, point),
+            (None, None) => Err(Error::Usage("say where: --face N, perhaps with --at U,V, or --point X,Y,Z".into())),
+        }
+    }
+}
+
+/// Refuses an output whose extension is none of those listed.
+pub(super) fn extension<'p>(path: &'p Path, known: &[&str]) -> Result<&'p str, Error> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    if known.contains(&extension) {
+        return Ok(extension);
+    }
+    Err(Error::Usage(format!("{}: the extension must be .{}", path.display(), known.join(" or ."))))
+}
