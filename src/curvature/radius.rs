@@ -17,8 +17,8 @@ use super::options::{CurvatureOptions, Radius};
 use crate::disk::Disk;
 use crate::mesh::{EdgeKind, Face, Mesh};
 
-/// First radius in widths: three mean edges of a right-angled triangle of equal legs.
-const WIDTHS: f64 = 4.8;
+/// First radius in widths: 3.4 mean edges of a right-angled triangle of equal legs.
+const WIDTHS: f64 = 5.4;
 /// Turn in radians up to which a radius is kept.
 const LARGEST_TURN: f64 = 0.8;
 /// Turn up to which it may still grow.
