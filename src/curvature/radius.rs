@@ -74,8 +74,8 @@ impl RadiusSearch {
         let turn = radius * f64::from(value.k_max.abs().max(value.k_min.abs()));
         if radius <= self.first {
             let wanted = (radius * LARGEST_TURN / turn).max(0.25 * self.first);
-            // A fifth of slack, so that a disk is laid again only where that changes something.
-            if turn.is_finite() && wanted < 0.83 * radius {
+            // Little slack: where rounding decides, it must not change much.
+            if turn.is_finite() && wanted < 0.97 * radius {
                 return Some(wanted);
             }
         }
