@@ -42,6 +42,8 @@ pub struct AnnotateOptions {
     /// With `edges`: the silhouette as well, for this direction from the viewer to the mesh, in the
     /// input's axes.
     pub view: Option<DVec3>,
+    /// Files that the caller writes besides: none of them may be an input or another output.
+    pub reserved: Vec<PathBuf>,
     /// Whether the summary is to have the percentiles of the values, which cost some sorting.
     pub summarise: bool,
 }
@@ -60,6 +62,7 @@ impl Default for AnnotateOptions {
             unit: None,
             edges: None,
             view: None,
+            reserved: Vec::new(),
             summarise: true,
         }
     }
@@ -72,6 +75,12 @@ impl AnnotateOptions {
     /// [`Error::Usage`] with the option and its range.
     pub fn check(&self) -> Result<(), Error> {
         self.mesh.check()?;
+        if self.view == Some(DVec3::ZERO) {
+            return Err(Error::Usage("a view direction must not be zero".into()));
+        }
+        if self.edges.as_ref().is_some_and(|path| path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("glb"))) {
+            return Err(Error::Usage("the edges are written as .glb; give their file that extension".into()));
+        }
         self.curvature.check()?;
         if self.color_by == Some(Quantity::Class) && self.colormap.is_some() {
             return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
@@ -137,7 +146,8 @@ pub fn annotate(
     let start = Instant::now();
     let (soup, input_format) = io::read(input, progress)?;
     let space = options.space(input_format, format)?;
-    destination.check(format, input, &soup)?;
+    let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
+    destination.check(format, &others, input, &soup)?;
     io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
     let mut notes = soup.notes.clone();
     let read = start.elapsed();

@@ -189,7 +189,9 @@ impl Leg {
             let whole = step.length();
             let room = radius - leg.length;
             let used = if whole < room { whole } else { room };
-            if whole > 0.0 {
+            // Beside a vertex a section may have segments as short as the rounding of their ends, which
+            // point anywhere.
+            if whole > 1e-10 * radius {
                 let tangent = step / whole;
                 if tangent.x <= 0.0 {
                     leg.stop = Stop::Turned;

@@ -57,7 +57,7 @@ pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
 pub use io::{
-    Destination, InputFormat, LineScene, Output, OutputFormat, check_size, read, read_bytes, real_path,
+    Destination, InputFormat, LineScene, Output, OutputFormat, check_outputs, check_size, read, read_bytes, real_path,
     remove_unfinished_outputs, write, write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};

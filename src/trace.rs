@@ -1,6 +1,6 @@
 //! Stepping along a principal direction by the radius (the paper's figures 13 and 14).
 
-use crate::curvature::{CurvatureOptions, FaceClass, FaceCurvature, curvature_at};
+use crate::curvature::{CurvatureOptions, FaceCurvature, curvature_at};
 use crate::disk::{Disk, Frame, Leg};
 use crate::error::Error;
 use crate::lines::Polyline;
@@ -157,7 +157,7 @@ impl Walker<'_> {
             if step == self.options.steps {
                 return way;
             }
-            if matches!(value.class, FaceClass::Flat | FaceClass::Umbilic | FaceClass::NotEstimated) {
+            if !has_principal_direction(&value) {
                 way.end = End::Umbilic;
                 return way;
             }
@@ -186,6 +186,14 @@ impl Walker<'_> {
         }
         way
     }
+}
+
+/// True where the surface bends, and more one way than the other. Relative to the bending and not to the
+/// disk, as classes are: on a fine mesh all disks are nearly flat.
+fn has_principal_direction(value: &FaceCurvature) -> bool {
+    let (max, min) = (f64::from(value.k_max), f64::from(value.k_min));
+    let bending = max.abs().max(min.abs());
+    bending * f64::from(value.radius) > 1e-4 && max - min > 0.05 * bending
 }
 
 fn place_of(mesh: &Mesh, face: Face, point: DVec3) -> Place {

@@ -241,7 +241,7 @@ fn bad_usage_is_told_before_any_work() {
         (&["-o", "a.glb", "--feature-angle", "200"], "0 to 180"),
         (&["-o", "a.glb", "--weld", "-1"], "weld"),
         (&["-o", "a.glb", "-j", "0"], "1 to 1024"),
-        (&["-o", "a.glb", "--stats", "./a.glb"], "also the input or another output"),
+        (&["-o", "a.glb", "--stats", "./a.glb"], "named for two outputs"),
     ];
     for (args, expected) in cases {
         let run = annotate(args);

@@ -92,10 +92,11 @@ fn formats_agree_on_the_values() {
     let two = values("two_meshes.glb");
     assert_eq!(common::differing(&two, &values("two_meshes.gltf")), 0);
     assert_eq!(common::differing(&two, &values("two_meshes_embedded.gltf")), 0);
-    // Rounding to floats decides which of two equal edges a disk's angles start from.
+    // Rounding to floats decides which of two equal edges a disk's angles start from, and on which side
+    // of a vertex a leg passes: 0.4 % of the curvature of 0.5.
     let sphere = values("sphere_le.ply");
     for (a, b) in sphere.iter().zip(values("sphere_be.ply")) {
-        assert!((a.mean() - b.mean()).abs() < 1e-3);
+        assert!((a.mean() - b.mean()).abs() < 2e-3);
     }
 }
 

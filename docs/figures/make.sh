@@ -4,7 +4,7 @@
 #
 #     docs/figures/make.sh [PROGRAM]      default: target/release/osculate
 set -eu
-program=${1:-target/release/osculate}
+program=${1:-$(dirname "$0")/../../target/release/osculate}
 case $program in
     /*) ;;
     *) program=$PWD/$program ;;

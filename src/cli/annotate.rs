@@ -17,10 +17,10 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         None => OutputFormat::of(&args.output)?,
     };
     let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-    if let Some(existing) = destination.existing(format).filter(|_| args.no_clobber) {
+    let edges = args.edges.clone().filter(|path| path.exists());
+    if let Some(existing) = destination.existing(format).or(edges).filter(|_| args.no_clobber) {
         return Err(Error::Exists(existing));
     }
-    refuse_doubles(args)?;
     let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;
 
     let bars = Bars::new(messages.wants_progress());
@@ -37,19 +37,6 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let seconds = summary.seconds.total;
     messages.info(&format!("{}: {} faces in {seconds:.2} s", args.output.display(), summary.report.faces));
     Ok(Outcome::of(summary.has_defects()))
-}
-
-/// No file may be named for two things.
-fn refuse_doubles(args: &AnnotateArgs) -> Result<(), Error> {
-    let named = [Some(&args.input), Some(&args.output), args.edges.as_ref(), args.stats.as_ref()];
-    let named: Vec<_> = named.into_iter().flatten().map(|path| (path, osculate::real_path(path))).collect();
-    for (i, (path, real)) in named.iter().enumerate() {
-        // That the output is the input is found out later, with all the files that belong to both.
-        if i > 1 && named[..i].iter().any(|(_, other)| other == real) {
-            return Err(Error::Usage(format!("{} is also the input or another output", path.display())));
-        }
-    }
-    Ok(())
 }
 
 /// Opens the statistics before any work, so that a wrong folder is known at once.

@@ -221,6 +221,7 @@ impl AnnotateArgs {
             unit: self.look.unit.map(Into::into),
             edges: self.edges.clone(),
             view: self.view,
+            reserved: self.stats.iter().cloned().collect(),
             // Percentiles are only told where someone asks.
             summarise: self.stats.is_some() || self.common.verbose,
         })

@@ -4,7 +4,7 @@ use super::args::{MeshArgs, PlaceArgs};
 use super::messages::Messages;
 use super::progress::Bars;
 use osculate::{Error, InputFormat, Mesh, Place};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A mesh and what its file was like.
 pub(super) struct Input {
@@ -13,14 +13,11 @@ pub(super) struct Input {
     pub(super) has_defects: bool,
 }
 
-/// Reads a mesh and says what is wrong with it. None of `outputs` may be the input.
+/// Reads a mesh and says what is wrong with it. None of `outputs` may belong to the input.
 pub(super) fn read_mesh(path: &Path, outputs: &[&Path], mesh: &MeshArgs, messages: &Messages) -> Result<Input, Error> {
-    for output in outputs {
-        if osculate::real_path(output) == osculate::real_path(path) {
-            return Err(Error::Usage(format!("{} is the input; choose another output", output.display())));
-        }
-    }
     let (soup, format) = osculate::read(path, &Bars::new(messages.wants_progress()))?;
+    let outputs: Vec<PathBuf> = outputs.iter().map(|output| output.to_path_buf()).collect();
+    osculate::check_outputs(&outputs, path, &soup)?;
     let mesh = Mesh::from_soup(&soup, &mesh.options()).map_err(|e| e.in_file(path))?;
     soup.notes.iter().for_each(|note| messages.note(note));
     mesh.report().defects().iter().for_each(|defect| messages.warning(defect));

@@ -10,6 +10,9 @@ use std::io::Write;
 
 pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Error> {
     check(args)?;
+    if args.exact.as_ref().is_some_and(|exact| osculate::real_path(exact) == osculate::real_path(&args.output)) {
+        return Err(Error::Usage(format!("{} is named for two outputs", args.output.display())));
+    }
     // Opened before any work, so that a wrong folder is known at once.
     let exact = args.exact.as_deref().map(Output::create).transpose()?;
     let synthetic = build(args)?;

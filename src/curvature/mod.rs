@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::place::Place;
 use crate::progress::{Progress, Stage};
-use euler::EulerFit;
+use euler::{EulerFit, Principal};
 use radius::RadiusSearch;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -95,10 +95,10 @@ pub(crate) fn curvature_at(
     let (mut search, mut radius) = RadiusSearch::new(mesh, face, options, fixed_radius);
     loop {
         disk.walk(mesh, face, frame, radius, options.diameters);
-        let value = from_disk(disk, frame, options);
-        match search.next(disk, &value) {
+        let principal = principal(disk, options);
+        match search.next(disk, &principal) {
             Some(next) => radius = next,
-            None => return value,
+            None => return value_of(disk, frame, principal, options),
         }
     }
 }
@@ -127,6 +127,11 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
     if disk.legs().is_empty() {
         return FaceCurvature::NOT_ESTIMATED;
     }
+    value_of(disk, frame, principal(disk, options), options)
+}
+
+/// Principal curvatures and their angle, by a fit over all diameters.
+fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
     let formula = formula(options.estimator);
     let mut fit = EulerFit::new();
     for diameter in disk.diameters() {
@@ -134,17 +139,22 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
             fit.add(diameter.angle, sample);
         }
     }
-    let euler = fit.solve();
-    let direction = frame.direction(euler.angle);
+    fit.solve()
+}
+
+/// Everything a face gets from its disk.
+fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
+    let Principal { k_max, k_min, angle } = principal;
+    let direction = frame.direction(angle);
     FaceCurvature {
-        k_max: euler.k_max as f32,
-        k_min: euler.k_min as f32,
+        k_max: k_max as f32,
+        k_min: k_min as f32,
         dir_max: direction.as_vec3(),
         dir_min: frame.normal.cross(direction).as_vec3(),
         gauss_perimeter: perimeter::gauss(disk).unwrap_or(f64::NAN) as f32,
         radius: disk.radius() as f32,
         coverage: disk.coverage() as f32,
-        class: FaceClass::of(euler.k_max, euler.k_min, disk.radius(), options.class_tolerance),
+        class: FaceClass::of(k_max, k_min, disk.radius(), options.class_tolerance),
     }
 }
 

@@ -12,7 +12,7 @@
 //! programs make them, get a disk that passes several of them across and stays within the face along,
 //! where it does not matter; a needle among well-shaped faces gets the disk of its neighbours.
 
-use super::FaceCurvature;
+use super::euler::Principal;
 use super::options::{CurvatureOptions, Radius};
 use crate::disk::Disk;
 use crate::mesh::{EdgeKind, Face, Mesh};
@@ -28,8 +28,9 @@ const GROWTH: f64 = 1.5;
 const MOST_EDGES: f64 = 3.0;
 /// A turn below this many radians is none: a flat of 32-bit coordinates.
 const NO_TURN: f64 = 1e-4;
-/// Most disks laid for one face.
-const MOST_ROUNDS: usize = 12;
+/// Most disks laid for one face: at most eleven times the first radius, so that the time for a face
+/// does not grow with the number of long facets around a cylinder.
+const MOST_ROUNDS: usize = 7;
 
 /// Chooses the radius of one face, disk by disk.
 #[derive(Clone, Copy, Debug)]
@@ -64,14 +65,14 @@ impl RadiusSearch {
         (RadiusSearch { automatic: options.radius == Radius::Auto, first, most, rounds: 0 }, first)
     }
 
-    /// The next radius to try after a disk and its value; `None` to keep the value.
-    pub(super) fn next(&mut self, disk: &Disk, value: &FaceCurvature) -> Option<f64> {
+    /// The next radius to try after a disk and what it shows; `None` to keep it.
+    pub(super) fn next(&mut self, disk: &Disk, found: &Principal) -> Option<f64> {
         self.rounds += 1;
         if !self.automatic || self.rounds == MOST_ROUNDS {
             return None;
         }
         let radius = disk.radius();
-        let turn = radius * f64::from(value.k_max.abs().max(value.k_min.abs()));
+        let turn = radius * found.k_max.abs().max(found.k_min.abs());
         if radius <= self.first {
             let wanted = (radius * LARGEST_TURN / turn).max(0.25 * self.first);
             // Little slack: where rounding decides, it must not change much.

@@ -69,6 +69,9 @@ impl InputFormat {
         let content = bytes.trim_ascii_start();
         match content {
             [] => return Err(ParseError::file("the file is empty")),
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] if !stl::is_binary(bytes) => {
+                return Err(ParseError::file("the file is UTF-16 text; convert it to UTF-8 first"));
+            }
             // The size says it all: whatever such a file's header begins with is a comment.
             _ if stl::is_binary(bytes) => return Ok(InputFormat::Stl),
             [b'g', b'l', b'T', b'F', ..] | [b'{', ..] => return Ok(InputFormat::Gltf),
@@ -122,8 +125,12 @@ pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> R
     }
 }
 
+/// Text may begin with a byte order mark; what is a binary STL by its size has a header that does.
 fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+    match bytes.strip_prefix(b"\xef\xbb\xbf") {
+        Some(text) if !stl::is_binary(bytes) => text,
+        _ => bytes,
+    }
 }
 
 /// A file format that annotated meshes are written in.
@@ -188,21 +195,21 @@ impl Destination {
     ///
     /// # Errors
     /// [`Error::Usage`] or [`Error::Io`], with the file in question.
-    pub(crate) fn check(&self, format: OutputFormat, input: &Path, soup: &Soup) -> Result<(), Error> {
-        let outputs = self.files(format, soup.face_count());
+    pub(crate) fn check(
+        &self,
+        format: OutputFormat,
+        others: &[PathBuf],
+        input: &Path,
+        soup: &Soup,
+    ) -> Result<(), Error> {
+        let mut outputs = self.files(format, soup.face_count());
         if let [document, beside @ ..] = outputs.as_slice()
             && beside.contains(document)
         {
             return Err(Error::Usage(format!("{}: a glTF document ends in .gltf", document.display())));
         }
-        let inputs: Vec<PathBuf> =
-            std::iter::once(input).chain(soup.files.iter().map(PathBuf::as_path)).map(real_path).collect();
-        match outputs.into_iter().find(|output| inputs.contains(&real_path(output))) {
-            Some(output) => {
-                Err(Error::Usage(format!("{} belongs to the input; choose another output", output.display())))
-            }
-            None => Ok(()),
-        }
+        outputs.extend_from_slice(others);
+        check_outputs(&outputs, input, soup)
     }
 
     /// The first of the files that an output may replace and that is there already.
@@ -224,6 +231,27 @@ impl Destination {
             _ => Ok(()),
         }
     }
+}
+
+/// Refuses outputs that would replace the input, a file that the input names, or one another.
+///
+/// # Errors
+/// [`Error::Usage`] with the output in question.
+pub fn check_outputs(outputs: &[PathBuf], input: &Path, soup: &Soup) -> Result<(), Error> {
+    let inputs: Vec<PathBuf> =
+        std::iter::once(input).chain(soup.files.iter().map(PathBuf::as_path)).map(real_path).collect();
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for output in outputs {
+        let real = real_path(output);
+        if inputs.contains(&real) {
+            return Err(Error::Usage(format!("{} belongs to the input; choose another output", output.display())));
+        }
+        if seen.contains(&real) {
+            return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
+        }
+        seen.push(real);
+    }
+    Ok(())
 }
 
 /// A path by which two names of one file are equal, also for a file that is not there yet.

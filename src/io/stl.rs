@@ -195,17 +195,20 @@ impl Ascii {
                 b"outer" | b"loop" | b"endloop" => {}
                 b"solid" => {
                     let start = (self.positions.len() / 3) as u32;
-                    let mut name = Vec::new();
-                    while let Some(word) = words.next_if(|word| !word.eq_ignore_ascii_case(b"facet")) {
-                        name.extend_from_slice(if name.is_empty() { b"" } else { b" " });
-                        name.extend_from_slice(word);
-                    }
-                    self.solids.push(Group { name: text::name(&name), faces: start..start });
+                    let rest: Vec<&[u8]> = words.collect();
+                    // A name may be anything, the word facet included; a facet has a normal or a loop.
+                    let is = |word: &[u8], keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
+                    let facet =
+                        rest.windows(2).position(|w| is(w[0], b"facet") && (is(w[1], b"normal") || is(w[1], b"outer")));
+                    let (name, rest) = rest.split_at(facet.unwrap_or(rest.len()));
+                    self.solids.push(Group { name: text::name(&name.join(&b' ')), faces: start..start });
                     self.ended = false;
+                    return if rest.is_empty() { Ok(()) } else { self.line(line, &rest.join(&b' ')) };
                 }
                 b"endsolid" => {
                     self.ended = true;
-                    return Ok(());
+                    // Its name, and perhaps the next solid.
+                    while words.next_if(|word| !word.eq_ignore_ascii_case(b"solid")).is_some() {}
                 }
                 // What some program leaves behind the last solid is not ours to judge.
                 _ if self.ended => return Ok(()),
@@ -285,6 +288,8 @@ mod tests {
     fn ascii_comes_in_many_hands() {
         for text in [
             format!("solid on one line {}endsolid", FACET.replace('\n', " ")),
+            format!("solid a {0}endsolid a solid b {0}endsolid b", FACET.replace('\n', " ")),
+            format!("solid my facet part\n{FACET}endsolid my facet part\n"),
             format!("solid\n{FACET}{}{FACET}endsolid\n", FACET.replace('\n', " ") + "\n"),
             format!("solid\n{FACET}endsolid\nleft behind\n"),
             format!("solid\n{FACET}endsolid\n"),

@@ -54,13 +54,18 @@ pub(super) fn write_chunks(
 ) -> Result<(), Error> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let padded = length.next_multiple_of(4);
-    let total = 12 + 8 + json.len() as u64 + 8 + padded;
+    // A binary chunk without bytes is left out.
+    let chunk = if length > 0 { 8 + padded } else { 0 };
+    let total = 12 + 8 + json.len() as u64 + chunk;
     check_glb_length(total)?;
     let write = |out: &mut Output| -> io::Result<()> {
         for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
             out.write_all(&u32::to_le_bytes(word))?;
         }
         out.write_all(&json)?;
+        if length == 0 {
+            return Ok(());
+        }
         for word in [padded as u32, 0x004e_4942] {
             out.write_all(&u32::to_le_bytes(word))?;
         }
