@@ -1,10 +1,14 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use super::choices::{
+    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LogFormat, ReportFormat, ShapeArg, UnitArg, UpArg,
+};
+use super::parse::{cells, pair, plane, radius, radius_factor, range, seeds, threads, vector};
+use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
-    Along, AnnotateOptions, ColorCarrier, Colormap, CurvatureOptions, Estimator, InputFormat, MeshOptions,
-    OutputFormat, Quantity, Radius, Range, Selection, Space, TraceOptions, Unit, UpAxis,
+    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, Selection, Space,
+    TraceOptions,
 };
 use std::path::PathBuf;
 
@@ -174,13 +178,8 @@ impl MeshArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct LookArgs {
-    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise
-    #[arg(long, value_enum)]
-    up: Option<UpArg>,
-
-    /// The input's unit; glTF output is scaled to metres. Default: lengths stay as they are
-    #[arg(long, value_enum)]
-    unit: Option<UnitArg>,
+    #[command(flatten)]
+    space: SpaceArgs,
 
     /// Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss,
     /// gauss_perimeter, shape_index, curvedness, dir_max, dir_min, radius, coverage; or default, all,
@@ -217,8 +216,8 @@ impl AnnotateArgs {
             colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
             range: self.look.range,
             carrier: self.look.color.into(),
-            up: self.look.up.map(Into::into),
-            unit: self.look.unit.map(Into::into),
+            up: self.look.space.up.map(Into::into),
+            unit: self.look.space.unit.map(Into::into),
             edges: self.edges.clone(),
             view: self.view,
             reserved: self.stats.iter().cloned().collect(),
@@ -444,31 +443,6 @@ pub(super) struct SynthArgs {
     pub(super) common: CommonArgs,
 }
 
-/// A synthetic shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ShapeArg {
-    /// The square from -1 to 1
-    Plane,
-    /// --radius
-    Sphere,
-    /// Open at both ends; --radius, --height
-    Cylinder,
-    /// --radius, --tube
-    Torus,
-    /// --size
-    Ellipsoid,
-    /// z = x^2 - y^2 over the square from -1 to 1
-    Saddle,
-    /// z = x^3 - 3 x y^2 over the square from -1 to 1
-    MonkeySaddle,
-    /// z = 0.1 sin(pi x) cos(pi y) over the square from -1 to 1
-    Wave,
-    /// Sharp edges; --size
-    Box,
-    /// Rounded edges and corners; --size, --fillet
-    FilletBox,
-}
-
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(super) struct CommonArgs {
@@ -487,171 +461,6 @@ pub(super) struct CommonArgs {
     /// Messages for people, or one JSON object per line
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     pub(super) log: LogFormat,
-}
-
-/// Declares a value of an option and what it stands for in the library.
-macro_rules! choices {
-    ($name:ident => $target:ty { $($(#[$meta:meta])* $variant:ident => $value:expr,)+ }) => {
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-        pub(super) enum $name { $($(#[$meta])* $variant,)+ }
-
-        impl From<$name> for $target {
-            fn from(choice: $name) -> $target {
-                match choice { $($name::$variant => $value,)+ }
-            }
-        }
-    };
-}
-
-choices!(EstimatorArg => Estimator {
-    /// The circle with the section's chord and arc
-    Osculating => Estimator::Osculating,
-    /// The same to third order, as in the paper
-    Osculating3 => Estimator::Osculating3,
-    /// Turning of the section's tangent over its length
-    Tangent => Estimator::Tangent,
-});
-
-impl From<Estimator> for EstimatorArg {
-    fn from(estimator: Estimator) -> Self {
-        EstimatorArg::value_variants()
-            .iter()
-            .copied()
-            .find(|&arg| Estimator::from(arg) == estimator)
-            .unwrap_or(EstimatorArg::Osculating)
-    }
-}
-
-choices!(AlongArg => Along {
-    /// Where the surface bends most
-    Max => Along::Max,
-    /// Where it bends least
-    Min => Along::Min,
-});
-
-choices!(FormatArg => OutputFormat {
-    Glb => OutputFormat::Glb,
-    Gltf => OutputFormat::Gltf,
-    Ply => OutputFormat::Ply,
-    Csv => OutputFormat::Csv,
-});
-
-choices!(UpArg => UpAxis {
-    Y => UpAxis::Y,
-    Z => UpAxis::Z,
-});
-
-choices!(UnitArg => Unit {
-    Mm => Unit::Millimetre,
-    Cm => Unit::Centimetre,
-    M => Unit::Metre,
-    In => Unit::Inch,
-});
-
-choices!(CarrierArg => ColorCarrier {
-    Texture => ColorCarrier::Texture,
-    Vertex => ColorCarrier::Vertex,
-    VertexSrgb => ColorCarrier::VertexSrgb,
-    None => ColorCarrier::None,
-});
-
-choices!(ColorByArg => Option<Quantity> {
-    Mean => Some(Quantity::Mean),
-    Gauss => Some(Quantity::Gauss),
-    #[value(name = "k_max")]
-    KMax => Some(Quantity::KMax),
-    #[value(name = "k_min")]
-    KMin => Some(Quantity::KMin),
-    #[value(name = "gauss_perimeter")]
-    GaussPerimeter => Some(Quantity::GaussPerimeter),
-    #[value(name = "shape_index")]
-    ShapeIndex => Some(Quantity::ShapeIndex),
-    Curvedness => Some(Quantity::Curvedness),
-    Class => Some(Quantity::Class),
-    None => None,
-});
-
-/// How messages are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LogFormat {
-    Text,
-    Json,
-}
-
-/// How a report is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ReportFormat {
-    Text,
-    Json,
-}
-
-fn radius(text: &str) -> Result<Radius, String> {
-    match text {
-        "auto" => Ok(Radius::Auto),
-        _ => text.parse().map(Radius::Length).map_err(|_| "give a length or auto".into()),
-    }
-}
-
-fn radius_factor(text: &str) -> Result<Radius, String> {
-    let (number, of) = text.split_once(':').unwrap_or((text, "face"));
-    let factor = number.parse().map_err(|_| format!("\"{number}\" is no number"))?;
-    match of {
-        "face" => Ok(Radius::FaceFactor(factor)),
-        "mesh" => Ok(Radius::MeshFactor(factor)),
-        _ => Err(format!("\"{of}\" is neither face nor mesh")),
-    }
-}
-
-fn range(text: &str) -> Result<Range, String> {
-    if text == "auto" {
-        return Ok(Range::Auto);
-    }
-    let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
-    let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
-    Ok(Range::Fixed(number(low)?, number(high)?))
-}
-
-fn vector(text: &str) -> Result<DVec3, String> {
-    numbers(text).map(DVec3::from_array).ok_or_else(|| "give three numbers separated by commas".into())
-}
-
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Vec<f64> = text.split(',').map(|s| s.trim().parse().ok()).collect::<Option<_>>()?;
-    numbers.try_into().ok().filter(|all: &[f64; N]| all.iter().all(|c| c.is_finite()))
-}
-
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    numbers(text).ok_or_else(|| "give two numbers separated by a comma".into())
-}
-
-fn plane(text: &str) -> Result<[f64; 4], String> {
-    match numbers(text) {
-        Some([0.0, 0.0, 0.0, _]) => Err("a, b and c must not all be 0".into()),
-        Some(plane) => Ok(plane),
-        None => Err("give four numbers a,b,c,d".into()),
-    }
-}
-
-fn seeds(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n @ 1..=1_000_000) => Ok(n),
-        _ => Err("give a number from 1 to 1000000".into()),
-    }
-}
-
-fn cells(text: &str) -> Result<[usize; 2], String> {
-    let numbers: Result<Vec<usize>, _> = text.split(',').map(str::trim).map(str::parse).collect();
-    match numbers.as_deref() {
-        Ok(&[u @ 1..=30_000, v @ 1..=30_000]) => Ok([u, v]),
-        _ => Err("give two numbers from 1 to 30000 separated by a comma".into()),
-    }
-}
-
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(n @ 1..=1024) => Ok(n),
-        _ => Err("give a number from 1 to 1024".into()),
-    }
 }
 
 #[cfg(test)]

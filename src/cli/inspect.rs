@@ -1,6 +1,7 @@
 //! `osculate inspect`.
 
-use super::args::{InspectArgs, ReportFormat};
+use super::args::InspectArgs;
+use super::choices::ReportFormat;
 use super::messages::Messages;
 use super::progress::Bars;
 use super::{Outcome, print};

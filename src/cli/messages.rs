@@ -1,6 +1,7 @@
 //! What the program says besides its results: on standard error, for people or for machines.
 
-use super::args::{CommonArgs, LogFormat};
+use super::args::CommonArgs;
+use super::choices::LogFormat;
 use osculate::{Error, Note};
 use serde_json::json;
 use std::io::Write;

@@ -2,9 +2,11 @@
 
 mod annotate;
 mod args;
+mod choices;
 mod disk;
 mod inspect;
 mod messages;
+mod parse;
 mod place;
 mod progress;
 mod section;

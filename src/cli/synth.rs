@@ -1,7 +1,8 @@
 //! `osculate synth`.
 
 use super::Outcome;
-use super::args::{ShapeArg, SynthArgs};
+use super::args::SynthArgs;
+use super::choices::ShapeArg;
 use super::messages::Messages;
 use glam::DVec3;
 use osculate::synth::{Grid, RoundedBox, Surface, Synthetic};

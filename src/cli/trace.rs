@@ -74,12 +74,14 @@ fn csv(mesh: &Mesh, traces: &[Trace], along: Along) -> String {
             let p = centre.point + mesh.origin();
             let [a, b, c] = centre.place.weights;
             let d = centre.direction;
-            let k = &centre.curvature;
+            // A place without estimate, where a trace ends, has no curvature to tell.
+            let [k_max, k_min] = [centre.curvature.k_max, centre.curvature.k_min]
+                .map(|k| if k.is_finite() { k.to_string() } else { String::new() });
             // Writing to a string cannot fail.
             let _ = writeln!(
                 csv,
                 "{t},{step},{},{},{},{},{a},{b},{c},{},{},{},{},{},{along}",
-                p.x, p.y, p.z, centre.place.face.0, k.k_max, k.k_min, d.x, d.y, d.z
+                p.x, p.y, p.z, centre.place.face.0, k_max, k_min, d.x, d.y, d.z
             );
         }
     }

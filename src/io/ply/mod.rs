@@ -1,6 +1,7 @@
 //! PLY, both ways.
 
 mod read;
+mod values;
 mod write;
 
 pub(super) use read::{looks_like, read};

@@ -1,0 +1,73 @@
+//! Values of options that are more than a number or a word.
+
+use glam::DVec3;
+use osculate::{Radius, Range};
+
+pub(super) fn radius(text: &str) -> Result<Radius, String> {
+    match text {
+        "auto" => Ok(Radius::Auto),
+        _ => text.parse().map(Radius::Length).map_err(|_| "give a length or auto".into()),
+    }
+}
+
+pub(super) fn radius_factor(text: &str) -> Result<Radius, String> {
+    let (number, of) = text.split_once(':').unwrap_or((text, "face"));
+    let factor = number.parse().map_err(|_| format!("\"{number}\" is no number"))?;
+    match of {
+        "face" => Ok(Radius::FaceFactor(factor)),
+        "mesh" => Ok(Radius::MeshFactor(factor)),
+        _ => Err(format!("\"{of}\" is neither face nor mesh")),
+    }
+}
+
+pub(super) fn range(text: &str) -> Result<Range, String> {
+    if text == "auto" {
+        return Ok(Range::Auto);
+    }
+    let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
+    let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
+    Ok(Range::Fixed(number(low)?, number(high)?))
+}
+
+pub(super) fn vector(text: &str) -> Result<DVec3, String> {
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "give three numbers separated by commas".into())
+}
+
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|s| s.trim().parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok().filter(|all: &[f64; N]| all.iter().all(|c| c.is_finite()))
+}
+
+pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text).ok_or_else(|| "give two numbers separated by a comma".into())
+}
+
+pub(super) fn plane(text: &str) -> Result<[f64; 4], String> {
+    match numbers(text) {
+        Some([0.0, 0.0, 0.0, _]) => Err("a, b and c must not all be 0".into()),
+        Some(plane) => Ok(plane),
+        None => Err("give four numbers a,b,c,d".into()),
+    }
+}
+
+pub(super) fn seeds(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1_000_000) => Ok(n),
+        _ => Err("give a number from 1 to 1000000".into()),
+    }
+}
+
+pub(super) fn cells(text: &str) -> Result<[usize; 2], String> {
+    let numbers: Result<Vec<usize>, _> = text.split(',').map(str::trim).map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[u @ 1..=30_000, v @ 1..=30_000]) => Ok([u, v]),
+        _ => Err("give two numbers from 1 to 30000 separated by a comma".into()),
+    }
+}
+
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1024) => Ok(n),
+        _ => Err("give a number from 1 to 1024".into()),
+    }
+}

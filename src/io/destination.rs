@@ -1,0 +1,101 @@
+//! Where outputs go, and what they must not replace.
+
+use super::{OutputFormat, gltf};
+use crate::error::Error;
+use crate::soup::Soup;
+use std::path::{Path, PathBuf};
+
+/// Where an output goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Destination {
+    /// A file; it appears whole or not at all.
+    File(PathBuf),
+    /// Standard output.
+    Stdout,
+}
+
+impl Destination {
+    /// All files that an output of so many faces may replace.
+    fn files(&self, format: OutputFormat, faces: usize) -> Vec<PathBuf> {
+        match self {
+            Destination::Stdout => Vec::new(),
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_beside(path, faces),
+            Destination::File(path) => vec![path.clone()],
+        }
+    }
+
+    /// Refuses an output that would replace the input or a file that the input names, and one whose
+    /// folder does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] or [`Error::Io`], with the file in question.
+    pub(crate) fn check(
+        &self,
+        format: OutputFormat,
+        others: &[PathBuf],
+        input: &Path,
+        soup: &Soup,
+    ) -> Result<(), Error> {
+        let mut outputs = self.files(format, soup.face_count());
+        if let [document, beside @ ..] = outputs.as_slice()
+            && beside.contains(document)
+        {
+            return Err(Error::Usage(format!("{}: a glTF document ends in .gltf", document.display())));
+        }
+        outputs.extend_from_slice(others);
+        check_outputs(&outputs, input, soup)
+    }
+
+    /// The first of the files that an output may replace and that is there already.
+    pub fn existing(&self, format: OutputFormat) -> Option<PathBuf> {
+        self.files(format, 0).into_iter().find(|path| path.exists())
+    }
+
+    /// Refuses an output in a folder that does not exist.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with the folder.
+    pub(crate) fn check_folder(&self) -> Result<(), Error> {
+        let Destination::File(path) = self else { return Ok(()) };
+        match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+                let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "the folder does not exist");
+                Err(Error::io(path, "create", missing))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Refuses outputs that would replace the input, a file that the input names, or one another.
+///
+/// # Errors
+/// [`Error::Usage`] with the output in question.
+pub fn check_outputs(outputs: &[PathBuf], input: &Path, soup: &Soup) -> Result<(), Error> {
+    let inputs: Vec<PathBuf> =
+        std::iter::once(input).chain(soup.files.iter().map(PathBuf::as_path)).map(real_path).collect();
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for output in outputs {
+        let real = real_path(output);
+        if inputs.contains(&real) {
+            return Err(Error::Usage(format!("{} belongs to the input; choose another output", output.display())));
+        }
+        if seen.contains(&real) {
+            return Err(Error::Usage(format!("{} is named for two outputs", output.display())));
+        }
+        seen.push(real);
+    }
+    Ok(())
+}
+
+/// A path by which two names of one file are equal, also for a file that is not there yet.
+pub fn real_path(path: &Path) -> PathBuf {
+    if let Ok(real) = path.canonicalize() {
+        return real;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_path_buf(),
+    }
+}
