@@ -100,7 +100,7 @@ impl AnnotateOptions {
     }
 
     /// All that is needed to repeat a run, as it stands in files and statistics.
-    fn provenance(&self, space: Space) -> Value {
+    fn provenance(&self) -> Value {
         let curvature = &self.curvature;
         let (radius, radius_factor) = match curvature.radius {
             Radius::Auto => (Some(json!("auto")), None),
@@ -116,8 +116,8 @@ impl AnnotateOptions {
             "class_tolerance": curvature.class_tolerance,
             "feature_angle": self.mesh.feature_angle,
             "weld": self.mesh.weld,
-            "up": if space.z_up { "z" } else { "y" },
-            "unit": space.unit.map(Unit::symbol),
+            "up": self.up,
+            "unit": self.unit,
             "attributes": self.selection,
             "color_by": self.color_by.map(Quantity::token),
             "colormap": self.colormap.map(Colormap::name),
@@ -149,6 +149,8 @@ pub fn annotate(
     let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
     destination.check(format, &others, input, &soup)?;
     io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
+    // Opened before any work, put in its place after the main output.
+    let mut edges = options.edges.as_deref().map(Output::create).transpose()?;
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
 
@@ -171,20 +173,19 @@ pub fn annotate(
         colors,
         carrier: options.carrier,
         space,
-        provenance: options.provenance(space),
+        provenance: options.provenance(),
     };
     notes.extend(mesh.report().remarks().into_iter().map(Note::info));
     notes.extend(note_of_low_coverage(&values));
     notes.extend(annotation.note_of_missing_face_numbers(format));
-    if let Some(path) = &options.edges {
+    if let Some(out) = &mut edges {
         let layers = edge_layers(&mesh, options.view);
         let space = Space::to_gltf(input_format, options.up, options.unit)?;
         let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
-        let mut out = Output::create(path)?;
-        io::write_lines(&scene, &mut out)?;
-        out.finish()?;
+        io::write_lines(&scene, out)?;
     }
     io::write(&annotation, format, destination, progress)?;
+    edges.map_or(Ok(()), Output::finish)?;
     let write = start.elapsed();
 
     Ok(Summary {

@@ -14,7 +14,8 @@
 //!   and m its middle. The missing part is put back before alpha is solved for. On the torus R = 3,
 //!   r = 1 of 120 x 48 cells and legs of three edges this lowers the median error of k_max from
 //!   1.4 % to 0.9 %; with legs of one edge, from 11 % to 8 %. Sections that bend like an S count only
-//!   as far as they bend like an arc, which halves the error of k_min under noise.
+//!   as far as they bend like an arc, which halves the error of k_min under noise. (Measured with
+//!   Euler's three terms alone; with the fourth harmonic of the fit, 0.9 % became 0.6 %.)
 //!
 //! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, section 2;
 //! the polygon's spread is our own.
@@ -44,7 +45,7 @@ fn share_of_arc(height: f64, curvature: f64, forward: f64, backward: f64) -> f64
     if arc > 0.0 { (-1.5 * height / arc).clamp(-1.0, 1.0) } else { 0.0 }
 }
 
-/// (1 - cos k l) / k by its series, good to 1e-5 of itself up to the right angle at which legs end.
+/// (1 - cos k l) / k by its series, good to 2e-5 of itself up to the right angle at which legs end.
 fn fall(k: f64, l: f64) -> f64 {
     let turn = (k * l) * (k * l);
     0.5 * k * l * l * (1.0 - turn / 12.0 * (1.0 - turn / 30.0 * (1.0 - turn / 56.0)))

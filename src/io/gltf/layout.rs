@@ -112,14 +112,7 @@ impl Layout {
         annotation: &Annotation<'_>,
         external: &dyn Fn(External) -> Option<String>,
     ) -> Vec<u8> {
-        let mut root = Root {
-            asset: json::Asset {
-                generator: Some(format!("osculate {}", env!("CARGO_PKG_VERSION"))),
-                version: "2.0".into(),
-                ..Default::default()
-            },
-            ..Default::default()
-        };
+        let mut root = empty_document();
         for (b, streams) in self.buffers.iter().enumerate() {
             let mut offset = 0;
             for stream in &self.streams[streams.clone()] {
@@ -188,6 +181,18 @@ pub(in crate::io) fn check_glb_length(length: u64) -> Result<(), Error> {
         "the output would have {:.1} GB, but a .glb holds at most 4.3: write .gltf (several buffers) or .ply, or fewer quantities with --attributes",
         length as f64 / 1e9
     )))
+}
+
+/// A document that says who made it.
+pub(super) fn empty_document() -> Root {
+    Root {
+        asset: json::Asset {
+            generator: Some(format!("osculate {}", env!("CARGO_PKG_VERSION"))),
+            version: "2.0".into(),
+            ..Default::default()
+        },
+        ..Default::default()
+    }
 }
 
 fn push_view(root: &mut Root, stream: &Stream, buffer: u32, offset: u64) {

@@ -2,7 +2,7 @@
 //!
 //! Always a file of their own: MeshLab takes lines in a file with triangles for triangles.
 
-use super::layout::check_glb_length;
+use super::layout::{check_glb_length, empty_document};
 use super::write::write_chunks;
 use crate::annotation::Space;
 use crate::color::linear_factor;
@@ -11,9 +11,9 @@ use crate::io::Output;
 use crate::lines::{Layer, Polyline};
 use glam::DVec3;
 use gltf_json as json;
+use json::Index;
 use json::accessor::{ComponentType, GenericComponentType, Type};
 use json::validation::{Checked, USize64};
-use json::{Index, Root};
 use serde_json::Value;
 
 /// What a line file shows and where.
@@ -37,14 +37,7 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
     let translation = scene.space.point(scene.origin).as_vec3();
     let remainder = scene.space.point(scene.origin) - translation.as_dvec3();
     let mut bin: Vec<u8> = Vec::new();
-    let mut root = Root {
-        asset: json::Asset {
-            generator: Some(format!("osculate {}", env!("CARGO_PKG_VERSION"))),
-            version: "2.0".into(),
-            ..Default::default()
-        },
-        ..Default::default()
-    };
+    let mut root = empty_document();
     let extras = serde_json::value::to_raw_value(&scene.extras).ok();
     for layer in scene.layers {
         let strips = strips(&layer.lines);
