@@ -18,6 +18,8 @@ macro_rules! choices {
 }
 
 choices!(EstimatorArg => Estimator {
+    /// Surfaces fitted to the vertices around each face, by whatever explains them best
+    Auto => Estimator::Auto,
     /// The circle with the section's chord and arc
     Osculating => Estimator::Osculating,
     /// The same to third order, as in the paper
@@ -32,7 +34,7 @@ impl From<Estimator> for EstimatorArg {
             .iter()
             .copied()
             .find(|&arg| Estimator::from(arg) == estimator)
-            .unwrap_or(EstimatorArg::Osculating)
+            .unwrap_or(EstimatorArg::Auto)
     }
 }
 

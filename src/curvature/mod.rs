@@ -2,6 +2,7 @@
 
 mod classify;
 mod euler;
+mod fit;
 mod options;
 mod osculating;
 mod perimeter;
@@ -47,6 +48,11 @@ const CHUNK: usize = 4096;
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
     options.check_for(mesh)?;
     let count = mesh.face_count();
+    if options.estimator == Estimator::Auto {
+        let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
+        fit::estimate(mesh, options, &mut values);
+        return Ok(values);
+    }
     let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
     let fixed = options.fixed_radius(mesh);
     progress.begin(Stage::Estimate, count as u64);
@@ -107,7 +113,7 @@ type Formula = fn(&Diameter<'_>) -> Option<Sample>;
 
 fn formula(estimator: Estimator) -> Formula {
     match estimator {
-        Estimator::Osculating => osculating::exact_arc,
+        Estimator::Auto | Estimator::Osculating => osculating::exact_arc,
         Estimator::Osculating3 => osculating::third_order,
         Estimator::Tangent => tangent::turning,
     }

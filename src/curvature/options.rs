@@ -8,8 +8,10 @@ use crate::mesh::Mesh;
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Estimator {
-    /// Formula (1) of the paper, solved exactly: the circle with the diameter's chord and arc.
+    /// Surfaces fitted to windows of vertices, of the kind and size that explain them best.
     #[default]
+    Auto,
+    /// Formula (1) of the paper, solved exactly: the circle with the diameter's chord and arc.
     Osculating,
     /// Formula (1) as printed: the third-order expansion.
     Osculating3,
@@ -21,6 +23,7 @@ impl Estimator {
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
+            Estimator::Auto => "auto",
             Estimator::Osculating => "osculating",
             Estimator::Osculating3 => "osculating3",
             Estimator::Tangent => "tangent",

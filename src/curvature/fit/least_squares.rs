@@ -1,0 +1,233 @@
+//! Least squares over nested bases: one Gram matrix and one Cholesky factor serve every size.
+//!
+//! The first k columns of the basis, for each size k, are a model of their own; the leading k x k block
+//! of the factor is that model's factor.
+
+/// Most columns of a basis.
+pub(super) const MOST: usize = 22;
+const LANES: usize = 4;
+type Lane = [f64; LANES];
+
+/// One row per sample: the basis functions there and the value they are to explain. Stored by column.
+pub(super) struct Rows {
+    columns: Vec<Lane>,
+    /// Lanes per column.
+    stride: usize,
+    count: usize,
+    width: usize,
+}
+
+/// The normal equations, factored.
+pub(super) struct Factor {
+    /// Lower triangle by rows, of the equations scaled to unit diagonal.
+    lower: [[f64; MOST]; MOST],
+    /// Forward substitution of the right side.
+    forward: [f64; MOST],
+    scale: [f64; MOST],
+    width: usize,
+}
+
+/// Added to the unit diagonal, so that columns without a part of their own do no harm.
+const RIDGE: f64 = 1e-12;
+
+impl Rows {
+    pub(super) fn new() -> Self {
+        Rows { columns: Vec::new(), stride: 0, count: 0, width: 0 }
+    }
+
+    /// Makes room for `count` rows of `width` columns and the value behind them; all zero.
+    pub(super) fn reset(&mut self, count: usize, width: usize) {
+        self.stride = count.div_ceil(LANES);
+        (self.count, self.width) = (count, width);
+        self.columns.clear();
+        self.columns.resize(self.stride * (width + 1), [0.0; LANES]);
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, row: usize, values: &[f64], value: f64) {
+        debug_assert!(row < self.count && values.len() == self.width);
+        let (lane, part) = (row / LANES, row % LANES);
+        for (column, &v) in values.iter().chain(std::iter::once(&value)).enumerate() {
+            self.columns[column * self.stride + lane][part] = v;
+        }
+    }
+
+    fn column(&self, column: usize) -> &[Lane] {
+        &self.columns[column * self.stride..(column + 1) * self.stride]
+    }
+
+    fn dot(&self, a: usize, b: usize) -> f64 {
+        let mut sums = [0.0; LANES];
+        for (a, b) in self.column(a).iter().zip(self.column(b)) {
+            for i in 0..LANES {
+                sums[i] += a[i] * b[i];
+            }
+        }
+        (sums[0] + sums[2]) + (sums[1] + sums[3])
+    }
+
+    /// Forms and factors the normal equations, with `prior` added to their diagonal.
+    pub(super) fn factor(&self, prior: &[f64; MOST]) -> Factor {
+        let width = self.width;
+        let mut f =
+            Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
+        for i in 0..width {
+            let diagonal = self.dot(i, i) + prior[i];
+            f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
+            for j in 0..i {
+                f.lower[i][j] = self.dot(i, j) * f.scale[i] * f.scale[j];
+            }
+            f.lower[i][i] = 1.0 + RIDGE;
+            f.forward[i] = self.dot(i, width) * f.scale[i];
+        }
+        f.decompose();
+        f
+    }
+
+    /// The sum of squared residuals of the first `until` rows.
+    pub(super) fn residual(&self, coefficients: &[f64], until: usize) -> f64 {
+        let mut total = 0.0;
+        for lane in 0..until.div_ceil(LANES) {
+            let mut left = self.columns[self.width * self.stride + lane];
+            for (column, c) in coefficients.iter().enumerate() {
+                let values = &self.columns[column * self.stride + lane];
+                for i in 0..LANES {
+                    left[i] -= c * values[i];
+                }
+            }
+            let parts = LANES.min(until - lane * LANES);
+            total += left[..parts].iter().map(|r| r * r).sum::<f64>();
+        }
+        total
+    }
+}
+
+impl Factor {
+    fn decompose(&mut self) {
+        for i in 0..self.width {
+            for j in 0..i {
+                let (done, rest) = self.lower.split_at_mut(i);
+                let (a, b) = (&mut rest[0], &done[j]);
+                let mut sum = a[j];
+                for k in 0..j {
+                    sum -= a[k] * b[k];
+                }
+                a[j] = sum / b[j];
+            }
+            let row = &self.lower[i];
+            let pivot = row[i] - row[..i].iter().map(|l| l * l).sum::<f64>();
+            let forward = self.forward[i] - row[..i].iter().zip(&self.forward).map(|(l, y)| l * y).sum::<f64>();
+            // A pivot that rounding took below the ridge: the column has no part of its own.
+            let root = pivot.max(RIDGE).sqrt();
+            self.lower[i][i] = root;
+            self.forward[i] = forward / root;
+        }
+    }
+
+    /// Coefficients of the model of the first `size` columns; the others are zero.
+    pub(super) fn solve(&self, size: usize) -> [f64; MOST] {
+        let mut x = [0.0; MOST];
+        x[..size].copy_from_slice(&self.forward[..size]);
+        self.substitute_back(&mut x, size);
+        for (x, scale) in x[..size].iter_mut().zip(&self.scale) {
+            *x *= scale;
+        }
+        x
+    }
+
+    fn substitute_back(&self, x: &mut [f64; MOST], size: usize) {
+        for i in (0..size).rev() {
+            x[i] /= self.lower[i][i];
+            let solved = x[i];
+            for j in 0..i {
+                x[j] -= self.lower[i][j] * solved;
+            }
+        }
+    }
+
+    /// a' C a for the model of the first `size` columns, where C is the inverse of its normal equations:
+    /// the variance of the combination `a` of its coefficients, for samples of unit variance.
+    pub(super) fn variance(&self, a: &[f64; MOST], size: usize) -> f64 {
+        let mut y = [0.0; MOST];
+        for i in 0..size {
+            let sum: f64 = self.lower[i][..i].iter().zip(&y).map(|(l, y)| l * y).sum();
+            y[i] = (a[i] * self.scale[i] - sum) / self.lower[i][i];
+        }
+        y[..size].iter().map(|y| y * y).sum()
+    }
+
+    /// An upper bound, close in practice, of the least eigenvalue of the leading block, scaled to unit
+    /// diagonal: two inverse iterations.
+    pub(super) fn least_eigenvalue(&self, size: usize) -> f64 {
+        let mut x = [0.0; MOST];
+        for (i, x) in x[..size].iter_mut().enumerate() {
+            *x = if i % 2 == 0 { 1.0 } else { -0.7 };
+        }
+        let mut value = f64::INFINITY;
+        for _ in 0..2 {
+            let norm = x[..size].iter().map(|v| v * v).sum::<f64>().sqrt();
+            x[..size].iter_mut().for_each(|v| *v /= norm);
+            for i in 0..size {
+                let sum: f64 = self.lower[i][..i].iter().zip(&x).map(|(l, y)| l * y).sum();
+                x[i] = (x[i] - sum) / self.lower[i][i];
+            }
+            self.substitute_back(&mut x, size);
+            value = 1.0 / x[..size].iter().map(|v| v * v).sum::<f64>().sqrt();
+        }
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y = 2 - 3 x + x^3 at nine points, in the basis 1, x, x^2, x^3.
+    fn cubic() -> Rows {
+        let mut rows = Rows::new();
+        rows.reset(9, 4);
+        for i in 0..9 {
+            let x = i as f64 - 4.0;
+            rows.set(i, &[1.0, x, x * x, x * x * x], 2.0 - 3.0 * x + x * x * x);
+        }
+        rows
+    }
+
+    #[test]
+    fn nested_models_come_from_one_factor() {
+        let rows = cubic();
+        let factor = rows.factor(&[0.0; MOST]);
+        let full = factor.solve(4);
+        for (got, wanted) in full.iter().zip([2.0, -3.0, 0.0, 1.0]) {
+            assert!((got - wanted).abs() < 1e-8, "{full:?}");
+        }
+        assert!(rows.residual(&full[..4], 9) < 1e-12);
+        // The best line through the odd part: slope -3 + sum x^4 / sum x^2 = -3 + 708 / 60.
+        let line = factor.solve(2);
+        assert!((line[1] - 8.8).abs() < 1e-9 && (line[0] - 2.0).abs() < 1e-9, "{line:?}");
+        assert!((rows.residual(&line[..2], 5) - rows.residual(&line[..2], 9) / 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn variances_are_those_of_the_textbook() {
+        let factor = cubic().factor(&[0.0; MOST]);
+        let slope = std::array::from_fn(|i| f64::from(i == 1));
+        assert!((factor.variance(&slope, 2) - 1.0 / 60.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_column_without_a_part_of_its_own_is_noticed() {
+        let mut rows = Rows::new();
+        rows.reset(8, 3);
+        for i in 0..8 {
+            let x = i as f64;
+            rows.set(i, &[1.0, x, 2.0 * x - 1.0], x);
+        }
+        let factor = rows.factor(&[0.0; MOST]);
+        assert!(factor.least_eigenvalue(3) < 1e-10 && factor.least_eigenvalue(2) > 1e-3);
+    }
+}

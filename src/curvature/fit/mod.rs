@@ -1,0 +1,156 @@
+//! The default estimator: surfaces fitted to windows of vertices.
+
+mod exact;
+mod implicit;
+mod least_squares;
+mod shape;
+mod window;
+
+use super::{CurvatureOptions, FaceClass, FaceCurvature};
+use crate::disk::{Disk, Frame as DiskFrame};
+use crate::mesh::{Face, FaceState, Mesh};
+use exact::{Fit, Scratch, WANTED};
+use glam::DVec3;
+use rayon::prelude::*;
+use window::{Stars, Window};
+
+const CHUNK: usize = 1024;
+
+/// A face's value and what later passes need.
+#[derive(Clone, Copy)]
+struct Outcome {
+    value: FaceCurvature,
+    /// Misfit of the face's own fit in units of curvature; infinite where there is none.
+    misfit: f32,
+}
+
+struct Worker<'m> {
+    mesh: &'m Mesh,
+    stars: &'m Stars,
+    quantum: f64,
+    window: Window,
+    scratch: Scratch,
+    disk: Disk,
+}
+
+impl<'m> Worker<'m> {
+    fn fit(&mut self, seed: Face) -> Option<Fit> {
+        self.window.start(self.mesh, seed);
+        self.window.grow_to(self.mesh, self.stars, false, WANTED);
+        exact::fit(self.mesh, seed, &self.window, self.quantum, &mut self.scratch)
+    }
+}
+
+/// The rounding of the mesh's coordinates, in file units.
+fn quantum(mesh: &Mesh) -> f64 {
+    let origin = mesh.origin();
+    let (largest, single) = mesh
+        .positions()
+        .par_iter()
+        .map(|&p| {
+            let p = p + origin;
+            (p.abs().max_element(), p.as_vec3().as_dvec3() == p)
+        })
+        .filter(|(size, _)| size.is_finite())
+        .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1));
+    largest * if single { 6e-8 } else { 1e-16 }
+}
+
+/// Estimates all faces.
+pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceCurvature]) {
+    let stars = Stars::new(mesh, false);
+    let quantum = quantum(mesh);
+    let worker = || Worker { mesh, stars: &stars, quantum, window: Window::new(), scratch: Scratch::new(), disk: Disk::new() };
+    let mut outcomes = vec![Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY }; out.len()];
+    outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
+        for (i, out) in out.iter_mut().enumerate() {
+            let face = Face((chunk * CHUNK + i) as u32);
+            if mesh.face_state(face) != FaceState::Sound {
+                continue;
+            }
+            if let Some(fit) = worker.fit(face) {
+                if let Some(value) = value_of(mesh, face, &fit, options) {
+                    *out = Outcome { value, misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32 };
+                    continue;
+                }
+            }
+            if let Some(frame) = DiskFrame::at_barycentre(mesh, face) {
+                out.value = super::curvature_at(mesh, face, &frame, options, None, &mut worker.disk);
+            }
+        }
+    });
+    for (out, outcome) in out.iter_mut().zip(&outcomes) {
+        *out = outcome.value;
+    }
+    out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
+        for (i, out) in out.iter_mut().enumerate() {
+            let face = Face((chunk * CHUNK + i) as u32);
+            if let Some(value) = one_sided(worker, face, &outcomes, options) {
+                *out = value;
+            }
+        }
+    });
+}
+
+fn value_of(mesh: &Mesh, face: Face, fit: &Fit, options: &CurvatureOptions) -> Option<FaceCurvature> {
+    let p = fit.surface.shape_at(mesh.barycentre(face))?.principal();
+    let radius = fit.surface.frame.unit;
+    Some(FaceCurvature {
+        k_max: p.k_max as f32,
+        k_min: p.k_min as f32,
+        dir_max: p.dir_max.as_vec3(),
+        dir_min: p.dir_min.as_vec3(),
+        gauss_perimeter: f32::NAN,
+        radius: radius as f32,
+        coverage: 1.0,
+        class: FaceClass::of(p.k_max, p.k_min, radius, options.class_tolerance),
+    })
+}
+
+/// Faces beside a jump of curvature: a neighbour whose window lies on one side of it.
+fn one_sided(worker: &mut Worker<'_>, face: Face, outcomes: &[Outcome], options: &CurvatureOptions) -> Option<FaceCurvature> {
+    const BETTER: f32 = 0.1;
+    const TRIED: usize = 16;
+    let mesh = worker.mesh;
+    let own = outcomes[face.index()].misfit;
+    if mesh.face_state(face) != FaceState::Sound || own < 1e-12 {
+        return None;
+    }
+    worker.window.start(mesh, face);
+    worker.window.grow_to(mesh, worker.stars, false, WANTED);
+    worker.window.add_ring(mesh, worker.stars, false);
+    let centre = mesh.barycentre(face);
+    let mut others: Vec<(f64, u32)> = worker
+        .window
+        .faces
+        .iter()
+        .filter(|&&g| outcomes[g as usize].misfit <= BETTER * own)
+        .map(|&g| (f64::from((outcomes[g as usize].misfit / own).max(1e-8)).log10().floor() * 1e6 + mesh.barycentre(Face(g)).distance_squared(centre), g))
+        .collect();
+    others.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    for &(_, g) in others.iter().take(TRIED) {
+        let Some(fit) = worker.fit(Face(g)) else { continue };
+        if lies_on(&fit, mesh.triangle(face)) {
+            if std::env::var_os("DBG").is_some() { eprintln!("face {} own {own:e} takes {g} misfit {:e} size {} unit {}", face.0, fit.misfit, fit.surface.size, fit.surface.frame.unit); }
+            return value_of(mesh, face, &Fit { surface: fit.simple, ..fit }, options);
+        }
+    }
+    None
+}
+
+/// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit,
+/// and no side of it from one sheet of the surface to another.
+fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
+    // Along a circle the normals at both ends lean against the chord alike.
+    const LEAN: f64 = 0.1;
+    let surface = &fit.simple;
+    let corners = triangle.map(|p| surface.frame.to_local(p));
+    let gradients = corners.map(|p| surface.gradient(p));
+    let reach = 3.0 * fit.misfit / surface.frame.unit;
+    (0..3).all(|i| {
+        let j = (i + 1) % 3;
+        let lean = (gradients[i].normalize_or_zero() + gradients[j].normalize_or_zero()).dot(corners[j] - corners[i]);
+        surface.value(corners[i]).abs() <= reach * gradients[i].length()
+            && lean.abs() <= LEAN * corners[j].distance(corners[i])
+    })
+}
