@@ -1,8 +1,10 @@
 //! The default estimator: surfaces fitted to windows of vertices.
 
+mod chord;
 mod exact;
 mod implicit;
 mod least_squares;
+mod noise;
 mod shape;
 mod window;
 
@@ -22,6 +24,10 @@ struct Outcome {
     value: FaceCurvature,
     /// Misfit of the face's own fit in units of curvature; infinite where there is none.
     misfit: f32,
+    /// Misfit in file units.
+    deviation: f64,
+    /// Standard error of the tensor.
+    error: f64,
 }
 
 struct Worker<'m> {
@@ -61,7 +67,7 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
     let stars = Stars::new(mesh, false);
     let quantum = quantum(mesh);
     let worker = || Worker { mesh, stars: &stars, quantum, window: Window::new(), scratch: Scratch::new(), disk: Disk::new() };
-    let mut outcomes = vec![Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY }; out.len()];
+    let mut outcomes = vec![Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY, deviation: f64::INFINITY, error: f64::INFINITY }; out.len()];
     outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
         for (i, out) in out.iter_mut().enumerate() {
             let face = Face((chunk * CHUNK + i) as u32);
@@ -70,7 +76,7 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
             }
             if let Some(fit) = worker.fit(face) {
                 if let Some(value) = value_of(mesh, face, &fit, options) {
-                    *out = Outcome { value, misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32 };
+                    *out = Outcome { value, misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32, deviation: fit.misfit, error: fit.error };
                     continue;
                 }
             }
@@ -82,14 +88,43 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
     for (out, outcome) in out.iter_mut().zip(&outcomes) {
         *out = outcome.value;
     }
-    out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
-        for (i, out) in out.iter_mut().enumerate() {
+    let mut wanted = vec![false; out.len()];
+    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(worker, |worker, (chunk, (out, wanted))| {
+        for (i, (out, wanted)) in out.iter_mut().zip(wanted).enumerate() {
             let face = Face((chunk * CHUNK + i) as u32);
+            if mesh.face_state(face) != FaceState::Sound { continue; }
             if let Some(value) = one_sided(worker, face, &outcomes, options) {
                 *out = value;
+                continue;
             }
+            let o = &outcomes[face.index()];
+            let bend = f64::from(out.k_max.abs().max(out.k_min.abs()));
+            *wanted = o.deviation > 20.0 * quantum && !(o.error < 2e-3 * bend);
         }
     });
+    let uncertain = wanted.iter().filter(|&&w| w).count();
+    if std::env::var_os("DBG2").is_some() { eprintln!("uncertain {uncertain} of {}", out.len()); }
+    if uncertain == 0 || std::env::var_os("NONOISE").is_some() {
+        return;
+    }
+    let mut normals = vec![glam::Vec3::ZERO; mesh.positions().len()];
+    for f in (0..mesh.face_count() as u32).map(Face) {
+        if mesh.face_state(f) == FaceState::Sound {
+            let area = window::oriented_area(mesh, f).as_vec3();
+            for v in mesh.topology().corners(f) { normals[v.index()] += area; }
+        }
+    }
+    let noisy = noise::Noisy { mesh, stars: &stars, ignore_features: false, normals };
+    let blended = noisy.estimate(&wanted);
+    for (out, b) in out.iter_mut().zip(&blended) {
+        let Some(b) = b else { continue };
+        let p = b.shape.principal();
+        *out = FaceCurvature {
+            k_max: p.k_max as f32, k_min: p.k_min as f32, dir_max: p.dir_max.as_vec3(), dir_min: p.dir_min.as_vec3(),
+            gauss_perimeter: f32::NAN, radius: b.radius as f32, coverage: 1.0,
+            class: FaceClass::of(p.k_max, p.k_min, b.radius, options.class_tolerance),
+        };
+    }
 }
 
 fn value_of(mesh: &Mesh, face: Face, fit: &Fit, options: &CurvatureOptions) -> Option<FaceCurvature> {
@@ -109,10 +144,11 @@ fn value_of(mesh: &Mesh, face: Face, fit: &Fit, options: &CurvatureOptions) -> O
 
 /// Faces beside a jump of curvature: a neighbour whose window lies on one side of it.
 fn one_sided(worker: &mut Worker<'_>, face: Face, outcomes: &[Outcome], options: &CurvatureOptions) -> Option<FaceCurvature> {
-    const BETTER: f32 = 0.1;
+    const BETTER: f32 = 0.02;
     const TRIED: usize = 16;
     let mesh = worker.mesh;
     let own = outcomes[face.index()].misfit;
+    if std::env::var_os("NOJUMP").is_some() { return None; }
     if mesh.face_state(face) != FaceState::Sound || own < 1e-12 {
         return None;
     }

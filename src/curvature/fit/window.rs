@@ -53,7 +53,7 @@ impl Stars {
         Stars { ends, faces, divided }
     }
 
-    fn of(&self, vertex: u32) -> &[u32] {
+    pub(super) fn of(&self, vertex: u32) -> &[u32] {
         &self.faces[self.ends[vertex as usize] as usize..self.ends[vertex as usize + 1] as usize]
     }
 }

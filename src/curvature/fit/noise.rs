@@ -1,0 +1,350 @@
+//! Noisy surfaces: patches in windows of a size that balances noise against detail, blended.
+
+use super::chord::{Chord, ChordFit};
+use super::exact::frame_for;
+use super::least_squares::Rows;
+use super::shape::Shape;
+use super::window::{Stars, Window};
+use crate::mesh::{Face, FaceState, Mesh};
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+/// Vertices per window, by level.
+const LEVELS: [usize; 6] = [28, 48, 81, 138, 234, 398];
+const DEGREES: [usize; 2] = [3, 4];
+const CANDIDATES: usize = LEVELS.len() * DEGREES.len();
+/// A patch is evaluated up to this share of its window's radius.
+const REACH: f64 = 0.85;
+/// Growth of the residual from one level to the next (squared) from which it is detail, not noise.
+const SMOOTH: f64 = 6.8;
+const ROUGH: f64 = 1.5;
+/// A surface that shows detail at every scale is trusted to this share of an edge only.
+const ROUGH_NOISE: f64 = 0.1;
+const CHUNK: usize = 64;
+
+/// What a blend of patches says about a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blended {
+    pub(super) shape: Shape,
+    pub(super) radius: f64,
+    /// Standard error of the tensor.
+    pub(super) error: f64,
+}
+
+/// A seed's fits at every level.
+struct Probe {
+    seed: Face,
+    /// Upper triangles of shape tensors; NaN where there is no fit.
+    tensors: [[f64; 6]; CANDIDATES],
+    /// Variances of the tensors for samples of unit variance.
+    variances: [f64; CANDIDATES],
+    /// Variance of samples, by level; infinite where there is no fit.
+    deviations: [f64; LEVELS.len()],
+    /// Edge length, roughly.
+    spacing: f64,
+    neighbours: Vec<u32>,
+}
+
+struct Patch {
+    surface: Chord,
+    error: f64,
+    noise: f64,
+}
+
+struct Worker {
+    window: Window,
+    rows: Rows,
+    order: Vec<(f64, u32)>,
+    samples: Vec<DVec3>,
+}
+
+impl Worker {
+    fn new() -> Self {
+        Worker { window: Window::new(), rows: Rows::new(), order: Vec::new(), samples: Vec::new() }
+    }
+}
+
+pub(super) struct Noisy<'m> {
+    pub(super) mesh: &'m Mesh,
+    pub(super) stars: &'m Stars,
+    pub(super) ignore_features: bool,
+    pub(super) normals: Vec<glam::Vec3>,
+}
+
+impl Noisy<'_> {
+    /// Values for the faces that are `wanted`; `None` where the surface turns out smooth or no patch
+    /// reaches.
+    pub(super) fn estimate(&self, wanted: &[bool]) -> Vec<Option<Blended>> {
+        let mesh = self.mesh;
+        let seeds = self.seeds(wanted);
+        let mut seed_of = vec![u32::MAX; mesh.face_count()];
+        for (i, s) in seeds.iter().enumerate() {
+            seed_of[s.index()] = i as u32;
+        }
+        let probes: Vec<Probe> = seeds
+            .par_chunks(CHUNK)
+            .flat_map_iter(|chunk| {
+                let mut worker = Worker::new();
+                let seed_of = &seed_of;
+                chunk.iter().map(move |&seed| self.probe(seed, seed_of, &mut worker)).collect::<Vec<_>>()
+            })
+            .collect();
+        let patches: Vec<Option<Patch>> = probes
+            .par_chunks(CHUNK)
+            .flat_map_iter(|chunk| {
+                let mut worker = Worker::new();
+                let probes = &probes;
+                chunk.iter().map(move |probe| self.choose(probe, probes, &mut worker)).collect::<Vec<_>>()
+            })
+            .collect();
+        drop(probes);
+        self.blend(&seeds, &patches, wanted)
+    }
+
+    /// Faces of which none shares a vertex with another: those whose number is the greatest around,
+    /// where numbers are drawn from positions, so that the order of faces plays no part.
+    fn seeds(&self, wanted: &[bool]) -> Vec<Face> {
+        let mesh = self.mesh;
+        let mix = |mut x: u64| {
+            x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
+            x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
+            x ^ (x >> 33)
+        };
+        let draw = |f: u32| {
+            let corners = mesh.triangle(Face(f));
+            let sum = corners.iter().fold(0_u64, |sum, p| {
+                sum.wrapping_add(p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits())))
+            });
+            (mix(sum), f)
+        };
+        let takes_part = |f: u32| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound;
+        (0..mesh.face_count() as u32)
+            .into_par_iter()
+            .filter(|&f| takes_part(f))
+            .filter(|&f| {
+                let own = draw(f);
+                let corners = mesh.topology().corners(Face(f));
+                corners.iter().all(|v| self.stars.of(v.0).iter().all(|&g| !takes_part(g) || draw(g) <= own))
+            })
+            .map(Face)
+            .collect()
+    }
+
+    /// Gathers the `count` nearest vertices of the seed's patch. Returns the radius of the window.
+    fn gather(&self, seed: Face, count: usize, worker: &mut Worker) -> f64 {
+        let mesh = self.mesh;
+        if worker.window.faces.first() != Some(&seed.0) {
+            worker.window.start(mesh, seed);
+        }
+        worker.window.grow_to(mesh, self.stars, self.ignore_features, count + count / 2);
+        let centre = mesh.barycentre(seed);
+        let normal = mesh.normal(seed).as_vec3();
+        let mean = {
+            let corners = mesh.topology().corners(seed);
+            let sum: glam::Vec3 = corners.iter().map(|v| self.normals[v.index()]).sum();
+            if sum.length_squared() > 0.0 { sum } else { normal }
+        };
+        worker.order.clear();
+        let facing = worker.window.vertices.iter().filter(|&&v| self.normals[v as usize].dot(mean) > 0.0);
+        worker.order.extend(facing.map(|&v| (mesh.positions()[v as usize].distance_squared(centre), v)));
+        let count = count.min(worker.order.len());
+        if count == 0 {
+            return 0.0;
+        }
+        let by_distance = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        worker.order.select_nth_unstable_by(count - 1, by_distance);
+        worker.samples.clear();
+        worker.samples.extend(worker.order[..count].iter().map(|&(_, v)| mesh.positions()[v as usize]));
+        worker.order[count - 1].0.sqrt()
+    }
+
+    fn fit(&self, seed: Face, level: usize, worker: &mut Worker, known: Option<super::implicit::Frame>) -> Option<ChordFit> {
+        let radius = self.gather(seed, LEVELS[level], worker);
+        let (frame, rounds) = match known {
+            Some(frame) => (super::implicit::Frame { unit: radius, ..frame }, 1),
+            None => {
+                let normal: glam::Vec3 = worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
+                let frame = frame_for(self.mesh.barycentre(seed), normal.as_dvec3(), worker.samples.iter().copied())?;
+                (super::implicit::Frame { unit: radius, ..frame }, 2)
+            }
+        };
+        ChordFit::new(frame, &worker.samples, rounds, &mut worker.rows)
+    }
+
+    fn probe(&self, seed: Face, seed_of: &[u32], worker: &mut Worker) -> Probe {
+        let mut probe = Probe {
+            seed,
+            tensors: [[f64::NAN; 6]; CANDIDATES],
+            variances: [f64::INFINITY; CANDIDATES],
+            deviations: [f64::INFINITY; LEVELS.len()],
+            spacing: 0.0,
+            neighbours: Vec::new(),
+        };
+        let centre = self.mesh.barycentre(seed);
+        let mut frame = None;
+        let mut least = f64::INFINITY;
+        worker.window.start(self.mesh, seed);
+        for level in 0..LEVELS.len() {
+            let Some(fit) = self.fit(seed, level, worker, frame) else { break };
+            frame = Some(fit.frame);
+            if level == 0 {
+                probe.spacing = fit.frame.unit * (3.63 / worker.samples.len() as f64).sqrt();
+            }
+            for (i, degree) in DEGREES.into_iter().enumerate() {
+                if degree > fit.highest() {
+                    continue;
+                }
+                let at = level * DEGREES.len() + i;
+                if let Some((_, shape)) = fit.surface(degree).shape_at(centre) {
+                    probe.tensors[at] = upper(shape.tensor);
+                    probe.variances[at] = fit.tensor_variance(degree);
+                }
+            }
+            let deviation = fit.deviation_squared(fit.highest());
+            probe.deviations[level] = deviation;
+            least = least.min(deviation);
+            if level < 2 {
+                let reach = fit.frame.unit.powi(2) * if level == 0 { 4.0 } else { 2.0 };
+                let mut near: Vec<(f64, u32)> = worker.window.faces.iter()
+                    .filter(|&&f| seed_of[f as usize] != u32::MAX)
+                    .map(|&f| (self.mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
+                    .filter(|n| n.0 <= reach)
+                    .collect();
+                near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                probe.neighbours = near.into_iter().take(16).map(|n| n.1).collect();
+            }
+            if worker.samples.len() < LEVELS[level] || deviation > 9.0 * least {
+                break;
+            }
+        }
+        probe
+    }
+
+    /// The window and degree for a seed, by Lepski's rule over it and its neighbours.
+    fn choose(&self, probe: &Probe, probes: &[Probe], worker: &mut Worker) -> Option<Patch> {
+        let around = || probe.neighbours.iter().map(|&i| &probes[i as usize]);
+        let count = probe.neighbours.len() as f64;
+        let mean = |f: &dyn Fn(&Probe) -> f64| {
+            let (sum, n) = around().map(f).filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+            if n > 0.0 { sum / n } else { f64::NAN }
+        };
+        if count == 0.0 {
+            return None;
+        }
+        let growth = mean(&|p| (p.deviations[1] / p.deviations[0]).ln()).exp();
+        if growth > SMOOTH {
+            return None;
+        }
+        let mut noise = mean(&|p| p.deviations.iter().copied().fold(f64::INFINITY, f64::min));
+        if growth > ROUGH {
+            noise = noise.max((ROUGH_NOISE * mean(&|p| p.spacing)).powi(2));
+        }
+        let variance: [f64; CANDIDATES] = std::array::from_fn(|j| {
+            if probe.variances[j].is_finite() { noise * mean(&|p| p.variances[j]) } else { f64::INFINITY }
+        });
+        let mut best = (f64::INFINITY, usize::MAX);
+        for j in (0..CANDIDATES).filter(|&j| variance[j].is_finite()) {
+            let mut bias = 0.0_f64;
+            for i in (0..CANDIDATES).filter(|&i| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j]) {
+                let between = mean(&|p| distance_squared(&p.tensors[i], &p.tensors[j]));
+                bias = bias.max(between - (variance[i] - variance[j]));
+            }
+            let risk = variance[j] + bias;
+            if risk < best.0 {
+                best = (risk, j);
+            }
+        }
+        let (risk, at) = best;
+        if at == usize::MAX {
+            return None;
+        }
+        let (level, degree) = (at / DEGREES.len(), DEGREES[at % DEGREES.len()]);
+        worker.window.start(self.mesh, probe.seed);
+        let fit = self.fit(probe.seed, level, worker, None)?;
+        Some(Patch { surface: fit.surface(degree.min(fit.highest())), error: risk.sqrt(), noise: fit.deviation_squared(degree.min(fit.highest())).sqrt() })
+    }
+
+    fn blend(&self, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Vec<Option<Blended>> {
+        let mesh = self.mesh;
+        // Which patches reach which faces, by seed.
+        let reached: Vec<(u32, u32)> = seeds
+            .par_iter()
+            .zip(patches)
+            .enumerate()
+            .map_init(Worker::new, |worker, (i, (&seed, patch))| {
+                let Some(patch) = patch else { return Vec::new() };
+                let radius = REACH * patch.surface.frame.unit;
+                let centre = mesh.barycentre(seed);
+                let near = |f: u32| mesh.barycentre(Face(f)).distance(centre) <= radius;
+                worker.window.start(mesh, seed);
+                loop {
+                    let before = worker.window.faces.len();
+                    worker.window.add_ring(mesh, self.stars, self.ignore_features);
+                    if worker.window.exhausted || !worker.window.faces[before..].iter().any(|&f| near(f)) {
+                        break;
+                    }
+                }
+                let faces = worker.window.faces.iter().copied();
+                faces.filter(|&f| wanted[f as usize] && near(f)).map(|f| (f, i as u32)).collect()
+            })
+            .collect::<Vec<_>>()
+            .concat();
+        let mut ends = vec![0_u32; mesh.face_count() + 1];
+        for &(f, _) in &reached {
+            ends[f as usize + 1] += 1;
+        }
+        for f in 1..ends.len() {
+            ends[f] += ends[f - 1];
+        }
+        let mut by_face = vec![0_u32; reached.len()];
+        let mut next = ends.clone();
+        for &(f, seed) in &reached {
+            by_face[next[f as usize] as usize] = seed;
+            next[f as usize] += 1;
+        }
+        drop(reached);
+        (0..mesh.face_count())
+            .into_par_iter()
+            .map(|f| {
+                let mine = &by_face[ends[f] as usize..ends[f + 1] as usize];
+                self.blend_face(Face(f as u32), mine, seeds, patches)
+            })
+            .collect()
+    }
+
+    fn blend_face(&self, face: Face, mine: &[u32], seeds: &[Face], patches: &[Option<Patch>]) -> Option<Blended> {
+        let centre = self.mesh.barycentre(face);
+        let normal = self.mesh.normal(face);
+        let (mut tensor, mut direction, mut total) = (DMat3::ZERO, DVec3::ZERO, 0.0);
+        let (mut radius, mut error) = (0.0, 0.0);
+        for &i in mine {
+            let Some(patch) = &patches[i as usize] else { continue };
+            let size = patch.surface.frame.unit;
+            let x = self.mesh.barycentre(seeds[i as usize]).distance_squared(centre) / (REACH * size).powi(2);
+            let Some((height, shape)) = patch.surface.shape_at(centre) else { continue };
+            if x >= 1.0 || height.abs() > 4.0 * patch.noise + 0.05 * size || shape.normal.dot(normal) < 0.0 {
+                continue;
+            }
+            let weight = (1.0 - x).powi(2) / (patch.error * patch.error + 1e-300);
+            tensor += shape.tensor * weight;
+            direction += shape.normal * weight;
+            radius += size * weight;
+            error += patch.error * weight;
+            total += weight;
+        }
+        let normal = direction.try_normalize()?;
+        let projection = DMat3::IDENTITY - DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        let tensor = projection * (tensor * (1.0 / total)) * projection;
+        Some(Blended { shape: Shape { normal, tensor }, radius: radius / total, error: error / total })
+    }
+}
+
+fn upper(m: DMat3) -> [f64; 6] {
+    [m.x_axis.x, m.y_axis.x, m.z_axis.x, m.y_axis.y, m.z_axis.y, m.z_axis.z]
+}
+
+/// The squared Frobenius norm of the difference of two symmetric matrices.
+fn distance_squared(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    const TIMES: [f64; 6] = [1.0, 2.0, 2.0, 1.0, 2.0, 1.0];
+    a.iter().zip(b).zip(TIMES).map(|((a, b), t)| t * (a - b) * (a - b)).sum()
+}
