@@ -72,6 +72,41 @@ pub(super) struct Noisy<'m> {
 }
 
 impl Noisy<'_> {
+    /// Values from windows of one radius for all faces.
+    pub(super) fn at_scale(&self, wanted: &[bool], radius: f64, degree: usize) -> Vec<Option<Blended>> {
+        let seeds = self.seeds(wanted);
+        let patches: Vec<Option<Patch>> = seeds
+            .par_chunks(CHUNK)
+            .flat_map_iter(|chunk| {
+                let mut worker = Worker::new();
+                chunk.iter().map(move |&seed| self.patch_at_scale(seed, radius, degree, &mut worker)).collect::<Vec<_>>()
+            })
+            .collect();
+        self.blend(&seeds, &patches, wanted)
+    }
+
+    fn patch_at_scale(&self, seed: Face, radius: f64, degree: usize, worker: &mut Worker) -> Option<Patch> {
+        let centre = self.mesh.barycentre(seed);
+        worker.window.start(self.mesh, seed);
+        loop {
+            let before = worker.window.vertices.len();
+            worker.window.add_ring(self.mesh, self.stars, self.ignore_features);
+            let near = |v: u32| self.mesh.positions()[v as usize].distance_squared(centre) <= radius * radius;
+            if worker.window.exhausted || !worker.window.vertices[before..].iter().any(|&v| near(v)) {
+                break;
+            }
+        }
+        let count = worker.window.vertices.iter().filter(|&&v| self.mesh.positions()[v as usize].distance_squared(centre) <= radius * radius).count();
+        let known = worker.window.vertices.len();
+        let reached = self.nearest(seed, count.max(12).min(known), worker);
+        let normal: glam::Vec3 = worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
+        let frame = frame_for(centre, normal.as_dvec3(), worker.samples.iter().copied())?;
+        let frame = super::implicit::Frame { unit: reached.max(radius), ..frame };
+        let fit = ChordFit::new(frame, &worker.samples, 2, &mut worker.rows)?;
+        let degree = degree.min(fit.highest());
+        Some(Patch { surface: fit.surface(degree), error: 1.0, noise: fit.deviation_squared(degree).sqrt() })
+    }
+
     /// Values for the faces that are `wanted`; `None` where the surface turns out smooth or no patch
     /// reaches.
     pub(super) fn estimate(&self, wanted: &[bool]) -> Vec<Option<Blended>> {
@@ -137,6 +172,12 @@ impl Noisy<'_> {
             worker.window.start(mesh, seed);
         }
         worker.window.grow_to(mesh, self.stars, self.ignore_features, count + count / 2);
+        self.nearest(seed, count, worker)
+    }
+
+    /// Takes the `count` nearest of the window's vertices that face as the seed does.
+    fn nearest(&self, seed: Face, count: usize, worker: &mut Worker) -> f64 {
+        let mesh = self.mesh;
         let centre = mesh.barycentre(seed);
         let normal = mesh.normal(seed).as_vec3();
         let mean = {
