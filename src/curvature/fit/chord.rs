@@ -54,7 +54,12 @@ fn tilted(normal: DVec3, x: DVec3) -> DMat3 {
 impl ChordFit {
     /// Fits samples around `frame.origin`, none of them further from it than about `frame.unit`, and
     /// refits `rounds` times in the frame that the fit before suggests.
-    pub(super) fn new(mut frame: Frame, samples: &[DVec3], rounds: usize, rows: &mut Rows) -> Option<Self> {
+    pub(super) fn new(frame: Frame, samples: &[DVec3], rounds: usize, rows: &mut Rows) -> Option<Self> {
+        ChordFit::weighted(frame, samples, &[], rounds, rows)
+    }
+
+    /// The same with a weight for each sample.
+    pub(super) fn weighted(mut frame: Frame, samples: &[DVec3], weights: &[f64], rounds: usize, rows: &mut Rows) -> Option<Self> {
         let highest = (2..=4).rev().find(|&d| TERMS[d] + 3 <= samples.len())?;
         for round in 0.. {
             let last = round == rounds;
@@ -64,7 +69,8 @@ impl ChordFit {
             for (row, &p) in samples.iter().enumerate() {
                 let p = frame.to_local(p);
                 let (x, y) = chord(p, p.z);
-                rows.set(row, &monomials(x, y)[..width], p.z);
+                let root = weights.get(row).map_or(1.0, |w| w.sqrt());
+                rows.set(row, &monomials(x, y).map(|m| m * root)[..width], p.z * root);
             }
             let factor = rows.factor(&[0.0; MOST]);
             if last {

@@ -118,7 +118,8 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
     let loose = fixed.is_some().then(|| Stars::new(mesh, true));
     let noisy = noise::Noisy { mesh, stars: loose.as_ref().unwrap_or(&stars), ignore_features: fixed.is_some(), normals };
     let blended = match fixed {
-        Some(fix) => noisy.at_scale(&vec![true; out.len()], fix[0] * mesh.mean_edge_of_mesh(), fix[1] as usize),
+        Some(fix) if fix.len() > 2 => noisy.at_vertices(fix[0] as usize, fix[1] as usize),
+        Some(fix) => noisy.at_scale(&vec![true; out.len()], if fix[0] < 0.0 { fix[0] } else { fix[0] * mesh.mean_edge_of_mesh() }, fix[1] as usize),
         None => noisy.estimate(&wanted),
     };
     for (out, b) in out.iter_mut().zip(&blended) {

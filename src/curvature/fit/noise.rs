@@ -86,6 +86,21 @@ impl Noisy<'_> {
     }
 
     fn patch_at_scale(&self, seed: Face, radius: f64, degree: usize, worker: &mut Worker) -> Option<Patch> {
+        if radius < 0.0 {
+            worker.window.start(self.mesh, seed);
+            let reached = self.gather(seed, -radius as usize, worker);
+            let normal: glam::Vec3 = worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
+            let frame = frame_for(self.mesh.barycentre(seed), normal.as_dvec3(), worker.samples.iter().copied())?;
+            let frame = super::implicit::Frame { unit: reached, ..frame };
+            let normal = normal.normalize_or_zero();
+            let weights: Vec<f64> = worker.order[..worker.samples.len()].iter().map(|&(d, v)| {
+                let facing = f64::from(self.normals[v as usize].normalize_or_zero().dot(normal)).max(0.0);
+                (1.0 - 0.999 * d / (reached * reached)).max(0.0) * facing
+            }).collect();
+            let fit = ChordFit::weighted(frame, &worker.samples, &weights, 2, &mut worker.rows)?;
+            let degree = degree.min(fit.highest());
+            return Some(Patch { surface: fit.surface(degree), error: 1.0, noise: fit.deviation_squared(degree).sqrt() });
+        }
         let centre = self.mesh.barycentre(seed);
         worker.window.start(self.mesh, seed);
         loop {
@@ -105,6 +120,55 @@ impl Noisy<'_> {
         let fit = ChordFit::new(frame, &worker.samples, 2, &mut worker.rows)?;
         let degree = degree.min(fit.highest());
         Some(Patch { surface: fit.surface(degree), error: 1.0, noise: fit.deviation_squared(degree).sqrt() })
+    }
+
+    /// Values from a window around every vertex, averaged over each face's corners.
+    pub(super) fn at_vertices(&self, count: usize, degree: usize) -> Vec<Option<Blended>> {
+        let mesh = self.mesh;
+        let shapes: Vec<Option<(Shape, f64)>> = (0..mesh.positions().len() as u32)
+            .into_par_iter()
+            .map_init(Worker::new, |worker, v| {
+                if self.stars.of(v).is_empty() {
+                    return None;
+                }
+                worker.window.start_at(mesh, self.stars, v);
+                worker.window.grow_to(mesh, self.stars, self.ignore_features, count + count / 2);
+                let centre = mesh.positions()[v as usize];
+                worker.order.clear();
+                worker.order.extend(worker.window.vertices.iter().map(|&v| (mesh.positions()[v as usize].distance_squared(centre), v)));
+                let count = count.min(worker.order.len());
+                worker.order.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                let order = &worker.order[..count];
+                let reached = order[count - 1].0;
+                let normal: glam::Vec3 = order.iter().map(|&(_, v)| self.normals[v as usize]).sum();
+                let unit_normal = normal.normalize_or_zero();
+                worker.samples.clear();
+                worker.samples.extend(order.iter().map(|&(_, v)| mesh.positions()[v as usize]));
+                let weights: Vec<f64> = order.iter().map(|&(d, v)| {
+                    let facing = f64::from(self.normals[v as usize].normalize_or_zero().dot(unit_normal)).max(0.0);
+                    (1.0 - 0.999 * d / reached).max(0.0) * facing
+                }).collect();
+                let frame = frame_for(centre, normal.as_dvec3(), worker.samples.iter().copied())?;
+                let frame = super::implicit::Frame { unit: reached.sqrt(), ..frame };
+                let fit = ChordFit::weighted(frame, &worker.samples, &weights, 2, &mut worker.rows)?;
+                let (_, shape) = fit.surface(degree.min(fit.highest())).shape_at(centre)?;
+                Some((shape, reached.sqrt()))
+            })
+            .collect();
+        (0..mesh.face_count() as u32).into_par_iter().map(|f| {
+            let (mut tensor, mut direction, mut radius, mut total) = (DMat3::ZERO, DVec3::ZERO, 0.0, 0.0);
+            for v in mesh.topology().corners(Face(f)) {
+                if let Some((shape, r)) = &shapes[v.index()] {
+                    tensor += shape.tensor;
+                    direction += shape.normal;
+                    radius += r;
+                    total += 1.0;
+                }
+            }
+            let normal = direction.try_normalize()?;
+            let projection = DMat3::IDENTITY - DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+            Some(Blended { shape: Shape { normal, tensor: projection * (tensor * (1.0 / total)) * projection }, radius: radius / total, error: 1.0 })
+        }).collect()
     }
 
     /// Values for the faces that are `wanted`; `None` where the surface turns out smooth or no patch
@@ -363,10 +427,12 @@ impl Noisy<'_> {
             let size = patch.surface.frame.unit;
             let x = self.mesh.barycentre(seeds[i as usize]).distance_squared(centre) / (REACH * size).powi(2);
             let Some((height, shape)) = patch.surface.shape_at(centre) else { continue };
-            if x >= 1.0 || height.abs() > 4.0 * patch.noise + 0.05 * size || shape.normal.dot(normal) < 0.0 {
+            let facing = shape.normal.dot(normal);
+            if x >= 1.0 || facing < 0.0 {
                 continue;
             }
-            let weight = (1.0 - x).powi(2) / (patch.error * patch.error + 1e-300);
+            let far = height / (4.0 * patch.noise + 0.05 * size);
+            let weight = (1.0 - x).powi(2) * facing * facing / (1.0 + far.powi(4)) / (patch.error * patch.error + 1e-300);
             tensor += shape.tensor * weight;
             direction += shape.normal * weight;
             radius += size * weight;
