@@ -9,22 +9,22 @@
 //! The first five columns are the paper's formulas with the paper's radius factors, read as in the
 //! paper: k1 is the largest normal curvature among 180 planes, k2 that of the plane at right angles.
 //! Formula (2) is the average over all radii up to r_g that `tangent` is; the sixth column has it as printed,
-//! at r_g alone. The others are `--estimator osculating` and `--estimator tangent` with `--radius auto`: Euler
-//! fit over 12 diameters, automatic radius.
+//! at r_g alone. The others are `--estimator osculating` and `--estimator tangent` with `--radius auto` (Euler
+//! fit over 12 diameters, automatic radius) and the program's default.
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
 use osculate::synth::{Exact, Grid, Surface, Synthetic};
 use osculate::{
     CurvatureOptions, Diameter, Disk, Estimator, Face, Frame, Mesh, MeshOptions, NoProgress, Place, Radius, disk_at,
-    from_disk, normal_curvature, read,
+    estimate, from_disk, normal_curvature, read,
 };
 use std::f64::consts::PI;
 use std::path::Path;
 
 const PLANES: usize = 180;
 const PAPER_COLUMNS: usize = 5;
-const COLUMN_COUNT: usize = 10;
+const COLUMN_COUNT: usize = 12;
 const COLUMNS: [&str; COLUMN_COUNT] = [
     "k (1)",
     "K1",
@@ -36,6 +36,8 @@ const COLUMNS: [&str; COLUMN_COUNT] = [
     "K osculating auto",
     "k tangent auto",
     "K tangent auto",
+    "k default",
+    "K default",
 ];
 
 /// A row: name, radius factor, the paper's five figures in percent, and the meshes of the sweep.
@@ -171,6 +173,7 @@ fn errors(synthetic: &Synthetic, factor: f64) -> [f64; COLUMN_COUNT] {
         radius: Radius::Auto,
         ..osculating
     });
+    let by_default = estimate(&mesh, &CurvatureOptions::default(), &NoProgress).expect("valid options");
     let mut columns: [Vec<f64>; COLUMN_COUNT] = Default::default();
     let mut disk = Disk::new();
     // Each mesh has many faces alike: every so many of them are enough.
@@ -203,6 +206,8 @@ fn errors(synthetic: &Synthetic, factor: f64) -> [f64; COLUMN_COUNT] {
             push(6 + 2 * i, (f64::from(value.k_max) - exact.k_max) / k);
             push(7 + 2 * i, (f64::from(value.gauss()) - gauss) / (k * k));
         }
+        push(10, (f64::from(by_default[f].k_max) - exact.k_max) / k);
+        push(11, (f64::from(by_default[f].gauss()) - gauss) / (k * k));
     }
     columns.map(|mut column| {
         column.sort_by(f64::total_cmp);

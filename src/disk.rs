@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn angles_are_those_of_the_arc_tangent() {
         for i in -1000..=1000 {
-            let angle = 3.14 * f64::from(i) / 1000.0;
+            let angle = 3.0 * f64::from(i) / 1000.0;
             for from in [0.0, 1.0, -2.0] {
                 let found = angle_between(DVec2::from_angle(from), DVec2::from_angle(from + angle));
                 assert!((found - angle).abs() < 1e-10 * angle.abs() + 1e-15, "{angle}: {found}");

@@ -30,7 +30,7 @@ pub(super) fn turning(diameter: &Diameter<'_>) -> Option<Sample> {
     let middle = 0.5 * (forward.length - backward.length);
     // Bending away from the normal turns the tangent downwards.
     let curvature = -(weighed(forward, middle, half) + weighed(backward, -middle, half)) * 15.0 / (16.0 * half);
-    curvature.is_finite().then(|| Sample { curvature, weight: length * length })
+    curvature.is_finite().then_some(Sample { curvature, weight: length * length })
 }
 
 /// Sum of t (1 - x^2)^2 over a leg's edges, with x = (s - middle) / half.
