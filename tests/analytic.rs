@@ -167,11 +167,8 @@ fn the_turning_of_tangents_does_not_depend_on_where_legs_end() {
 fn the_perimeter_of_a_part_of_a_disk_shows_no_curvature_on_a_cylinder() {
     for (cells, factor) in [([64, 10], 3.0), ([48, 1], 0.7), ([24, 1], 0.7)] {
         let grid = Grid::new(Surface::Cylinder { radius: 10.0, height: 10.0 }, cells[0], cells[1]);
-        let options = CurvatureOptions {
-            radius: Radius::FaceFactor(factor),
-            diameters: 180,
-            ..with(Estimator::Osculating)
-        };
+        let options =
+            CurvatureOptions { radius: Radius::FaceFactor(factor), diameters: 180, ..with(Estimator::Osculating) };
         let (values, exact) = synthetic(&grid, &options);
         let partial = values.iter().filter(|v| v.coverage < 1.0).count();
         assert!(2 * partial > values.len(), "{partial}");
