@@ -3,6 +3,7 @@
 use crate::mesh::{Face, Mesh};
 use crate::place::Place;
 use crate::section::{Crossing, Features, Plane, Stop};
+use crate::unfolding::angle_aside;
 use glam::{DVec2, DVec3};
 
 /// A face's own frame: its centre, its oriented unit normal and two tangent axes.
@@ -67,6 +68,9 @@ pub struct Leg {
     pub end: DVec2,
     /// Unit tangent of the last segment, in plane coordinates.
     pub tangent: DVec2,
+    /// Sums of t s^n, n = 0 to 4, over the edges crossed, where t is the angle by which the section
+    /// turns at an edge, positive towards the normal, and s the edge's distance from the centre.
+    pub turns: [f64; 5],
     /// Length along the mesh; the disk's radius where nothing stopped the leg.
     pub length: f64,
     /// `length - end.x`, summed without cancellation.
@@ -76,6 +80,10 @@ pub struct Leg {
     /// Sums of p m and p m^2 over the segments after the first, where p is the part of a segment
     /// that belongs to the leg and m the distance of the whole segment's middle from the centre.
     pub moments: [f64; 2],
+    /// Angle (radians, positive to the left) from the leg's direction to its end within the surface, that
+    /// is with the faces it passes unfolded. Measured by [`Disk::walk`] where the next leg on one side is
+    /// whole and that on the other is not; 0 elsewhere, since around a whole disk it cancels.
+    pub aside: f64,
     /// The face it ended in.
     pub face: Face,
     /// Why it ended.
@@ -119,6 +127,22 @@ impl Disk {
                     .map(|i| Leg::walk(mesh, face, frame, turn * frame.direction(i as f64 * step), radius, |_| {})),
             );
         }
+        self.measure_aside(mesh, face, frame);
+    }
+
+    /// Fills in [`Leg::aside`].
+    fn measure_aside(&mut self, mesh: &Mesh, face: Face, frame: &Frame) {
+        let count = self.legs.len();
+        let is_whole = |legs: &[Leg], i: usize| legs[i % count].stop == Stop::Length;
+        for i in 0..count {
+            let legs = &self.legs;
+            let beside = is_whole(legs, i + 1) != is_whole(legs, i + count - 1);
+            if beside && is_whole(legs, i) {
+                let direction = frame.direction(2.0 * std::f64::consts::PI * i as f64 / count as f64);
+                let plane = Plane { point: frame.centre, normal: frame.normal.cross(direction) };
+                self.legs[i].aside = angle_aside(mesh, &plane, face, direction, self.radius);
+            }
+        }
     }
 
     /// The length a leg has where nothing stops it.
@@ -156,6 +180,15 @@ impl Default for Disk {
 }
 
 impl Leg {
+    #[inline]
+    fn add_turn(&mut self, turn: f64) {
+        let mut moment = turn;
+        for sum in &mut self.turns {
+            *sum += moment;
+            moment *= self.length;
+        }
+    }
+
     /// Walks from the frame's centre, which must lie in `face`, along the unit tangent `direction`
     /// for at most `radius`. `visit` is given every point after the centre, in plane coordinates.
     pub fn walk(
@@ -173,7 +206,9 @@ impl Leg {
         };
         let mut leg = Leg {
             end: DVec2::ZERO,
+            aside: 0.0,
             tangent: DVec2::X,
+            turns: [0.0; 5],
             length: 0.0,
             excess: 0.0,
             first: 0.0,
@@ -197,6 +232,7 @@ impl Leg {
                     leg.stop = Stop::Turned;
                     return leg;
                 }
+                leg.add_turn(angle_between(leg.tangent, tangent));
                 leg.tangent = tangent;
             }
             if is_first {
@@ -234,8 +270,38 @@ impl Leg {
     }
 }
 
+/// The angle from one unit vector to another, in (-pi, pi].
+#[inline]
+fn angle_between(a: DVec2, b: DVec2) -> f64 {
+    let (sin, cos) = (a.perp_dot(b), a.dot(b));
+    let x = sin * sin;
+    if x < 0.01 && cos > 0.0 {
+        // The arcsine's series, good to 1e-11 of itself here, where nearly all turns lie.
+        let tail = 1.0 + x * (25.0 / 42.0) * (1.0 + x * (49.0 / 72.0));
+        sin * (1.0 + x / 6.0 * (1.0 + x * (9.0 / 20.0) * tail))
+    } else {
+        sin.atan2(cos)
+    }
+}
+
 /// 1 - cos of the angle between a unit vector and the u axis, below a right angle, without
 /// cancellation near zero.
 fn versine(tangent: DVec2) -> f64 {
     tangent.y * tangent.y / (1.0 + tangent.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_arc_tangent() {
+        for i in -1000..=1000 {
+            let angle = 3.0 * f64::from(i) / 1000.0;
+            for from in [0.0, 1.0, -2.0] {
+                let found = angle_between(DVec2::from_angle(from), DVec2::from_angle(from + angle));
+                assert!((found - angle).abs() < 1e-10 * angle.abs() + 1e-15, "{angle}: {found}");
+            }
+        }
+    }
 }

@@ -44,6 +44,7 @@ mod statistics;
 pub mod synth;
 mod trace;
 mod triangulate;
+mod unfolding;
 
 pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Space, Unit, UpAxis};

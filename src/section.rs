@@ -63,6 +63,9 @@ pub struct Crossing {
     pub point: DVec3,
     below: End,
     above: End,
+    share: f64,
+    /// True where `above` is the end that the edge before does not have.
+    newer_is_above: bool,
 }
 
 /// An end of the crossed edge: the vertex, its position and its distance to the plane.
@@ -74,10 +77,35 @@ struct End {
 }
 
 impl Crossing {
-    fn new(half_edge: HalfEdge, below: End, above: End) -> Self {
+    fn new(half_edge: HalfEdge, below: End, above: End, newer_is_above: bool) -> Self {
         let share = below.distance / (below.distance - above.distance);
         let point = below.position + share * (above.position - below.position);
-        Crossing { half_edge, point, below, above }
+        Crossing { half_edge, point, below, above, share, newer_is_above }
+    }
+
+    /// How far along the edge the point is, from the end below (0) to that above (1).
+    #[inline]
+    pub(crate) fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// The edge's ends, below and above the plane.
+    #[inline]
+    pub(crate) fn ends(&self) -> [DVec3; 2] {
+        [self.below.position, self.above.position]
+    }
+
+    /// The end that the edge crossed before does not have: the apex of the face between the two. Of a
+    /// walk's first crossing, the end below.
+    #[inline]
+    pub(crate) fn newer(&self) -> DVec3 {
+        if self.newer_is_above { self.above.position } else { self.below.position }
+    }
+
+    /// True where [`Crossing::newer`] is the end above the plane.
+    #[inline]
+    pub(crate) fn newer_is_above(&self) -> bool {
+        self.newer_is_above
     }
 
     /// Leaves `face` by the edge that has the plane's upper side on its left, seen against the
@@ -104,7 +132,7 @@ impl Crossing {
         face.half_edges().into_iter().enumerate().find_map(|(i, h)| {
             let (a, b) = (ends[i], ends[(i + 1) % 3]);
             let (below, above) = if falling { (b, a) } else { (a, b) };
-            (below.distance < 0.0 && above.distance >= 0.0).then(|| Crossing::new(h, below, above))
+            (below.distance < 0.0 && above.distance >= 0.0).then(|| Crossing::new(h, below, above, false))
         })
     }
 
@@ -126,12 +154,13 @@ impl Crossing {
         let vertex = topology.apex(twin);
         let position = mesh.position(vertex);
         let apex = End { vertex, position, distance: plane.distance(position) };
+        let newer_is_above = apex.distance >= 0.0;
         let (below, above, kept) =
-            if apex.distance < 0.0 { (apex, self.above, self.above) } else { (self.below, apex, self.below) };
+            if newer_is_above { (self.below, apex, self.below) } else { (apex, self.above, self.above) };
         // The edge between the kept end and the apex: the one that does not start at the other end.
         let next = twin.next();
         let half_edge = if topology.origin(next) == kept.vertex { next } else { twin.prev() };
-        Ok(Crossing::new(half_edge, below, above))
+        Ok(Crossing::new(half_edge, below, above, newer_is_above))
     }
 }
 

@@ -144,6 +144,41 @@ fn a_saddle_bends_both_ways() {
     }
 }
 
+/// An edge just before the end of a leg or just behind it must not make a difference.
+#[test]
+fn the_turning_of_tangents_does_not_depend_on_where_legs_end() {
+    let cylinder = Surface::Cylinder { radius: 10.0, height: 30.0 };
+    for (grid, most) in [
+        (Grid::new(TORUS, 120, 48), [0.5, 1.0]),
+        (Grid { jitter: 0.2, ..Grid::new(TORUS, 120, 48) }, [0.7, 1.0]),
+        (Grid::new(cylinder, 64, 30), [0.6, 0.7]),
+    ] {
+        for i in 0..=5 {
+            let radius = Radius::FaceFactor(2.5 + 0.3 * f64::from(i));
+            let options = CurvatureOptions { radius, ..with(Estimator::Tangent) };
+            let [max, min, ..] = medians(&grid, &options);
+            assert!(max < most[0] && min < most[1], "{grid:?} {radius:?}: {max} % {min} %");
+        }
+    }
+}
+
+/// Between a cylinder's rims most disks are in part; what is left of them has no Gaussian curvature either.
+#[test]
+fn the_perimeter_of_a_part_of_a_disk_shows_no_curvature_on_a_cylinder() {
+    for (cells, factor) in [([64, 10], 3.0), ([48, 1], 0.7), ([24, 1], 0.7)] {
+        let grid = Grid::new(Surface::Cylinder { radius: 10.0, height: 10.0 }, cells[0], cells[1]);
+        let options =
+            CurvatureOptions { radius: Radius::FaceFactor(factor), diameters: 180, ..with(Estimator::Osculating) };
+        let (values, exact) = synthetic(&grid, &options);
+        let partial = values.iter().filter(|v| v.coverage < 1.0).count();
+        assert!(2 * partial > values.len(), "{partial}");
+        for (value, exact) in values.iter().zip(&exact) {
+            let error = f64::from(value.gauss_perimeter) / size(exact).powi(2);
+            assert!(error.abs() < 0.004, "{cells:?}: {error} {value:?}");
+        }
+    }
+}
+
 /// The paper's expansion is the exact solution's beginning: both must agree on small turns.
 #[test]
 fn the_expansion_approaches_the_exact_arc() {

@@ -24,7 +24,7 @@ choices!(EstimatorArg => Estimator {
     Osculating => Estimator::Osculating,
     /// The same to third order, as in the paper
     Osculating3 => Estimator::Osculating3,
-    /// Turning of the section's tangent over its length
+    /// Turning of the section's tangent over its length, averaged over the radii
     Tangent => Estimator::Tangent,
 });
 

@@ -15,7 +15,7 @@ pub enum Estimator {
     Osculating,
     /// Formula (1) as printed: the third-order expansion.
     Osculating3,
-    /// Formula (2): turning of the tangent over arc length.
+    /// Formula (2): turning of the tangent over arc length, averaged over the radii up to r_g.
     Tangent,
 }
 

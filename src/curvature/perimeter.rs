@@ -6,7 +6,16 @@
 //! the same sector on the plane, so that a plane gives zero for any number of legs, and sectors with
 //! a short leg are left out of both sums.
 //!
-//! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, equation 3.
+//! "The same sector" needs care, as legs are plane sections and no geodesics. In a direction of normal
+//! curvature k and geodesic torsion t a section bends within the surface by k t s at the distance s, so
+//! its end lies at an angle of k t r^2 / 6 beside that of the geodesic. Around the full circle that only
+//! moves ends along the rim; a part of it is wider or narrower than the legs' directions by the difference
+//! at its two borders, which goes into K whole, however small the radius: on a cylinder with a disk from rim
+//! to rim, 13 % of k^2 instead of nothing. So the two legs at the borders of a part are taken in the
+//! directions in which their ends lie within the surface ([`Leg::aside`](crate::disk::Leg::aside)).
+//!
+//! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, equation 3; the
+//! sectors are our own.
 
 use crate::disk::Disk;
 use crate::section::Stop;
@@ -18,25 +27,22 @@ use std::f64::consts::PI;
 pub(super) fn gauss(disk: &Disk) -> Option<f64> {
     let legs = disk.legs();
     let step = 2.0 * PI / legs.len() as f64;
+    let turn = DVec2::from_angle(step);
     let radius = disk.radius();
-    let mut sectors = 0;
-    let mut length = 0.0;
-    for (i, leg) in legs.iter().enumerate() {
-        let next = &legs[(i + 1) % legs.len()];
+    let (mut length, mut flat) = (0.0, 0.0);
+    for (leg, next) in legs.iter().zip(legs.iter().cycle().skip(1)) {
         if leg.stop == Stop::Length && next.stop == Stop::Length {
-            sectors += 1;
-            length += rim(leg.end, next.end, step);
+            length += rim(leg.end, next.end, turn);
+            flat += 2.0 * radius * (0.5 * (step + next.aside - leg.aside)).sin();
         }
     }
-    if sectors > 0 {
-        let flat = f64::from(sectors) * 2.0 * radius * (0.5 * step).sin();
+    if flat > 0.0 {
         return Some(6.0 / (radius * radius) * (1.0 - length / flat));
     }
     legs.iter().all(|leg| leg.excess <= 1e-12 * radius).then_some(0.0)
 }
 
-/// Distance of two leg ends whose directions differ by an angle.
-fn rim(a: DVec2, b: DVec2, angle: f64) -> f64 {
-    let (sin, cos) = angle.sin_cos();
-    DVec3::new(b.x * cos - a.x, b.x * sin, b.y - a.y).length()
+/// Distance of two leg ends whose directions differ by a turn (cosine and sine).
+fn rim(a: DVec2, b: DVec2, turn: DVec2) -> f64 {
+    DVec3::new(b.x * turn.x - a.x, b.x * turn.y, b.y - a.y).length()
 }
