@@ -41,7 +41,8 @@ impl ScanNoise {
         let edge = mean_edge(&points, &soup.triangles);
         let deviation = self.deviation * edge;
         let view = self.view.normalize_or_zero();
-        if !(deviation > 0.0) || view == DVec3::ZERO {
+        let moves = deviation > 0.0 && deviation.is_finite() && view != DVec3::ZERO;
+        if !moves {
             return Synthetic { soup, exact };
         }
         let (right, up) = view.any_orthonormal_pair();
@@ -50,11 +51,17 @@ impl ScanNoise {
         let seen = |p: DVec3| {
             let depth = p.dot(view);
             let error = deviation * field.at(DVec2::new(p.dot(right), p.dot(up)));
-            p + (((depth + error) / step).round() * step - depth) * view
+            p + (in_steps(depth + error, step) - depth) * view
         };
         let points = points.into_iter().map(|p| seen(p).to_array()).collect();
         Synthetic { soup: Soup::new(Positions::F64(points), soup.triangles), exact }
     }
+}
+
+/// The multiple of `step` nearest to a depth; the depth itself where steps are finer than its digits.
+fn in_steps(depth: f64, step: f64) -> f64 {
+    let steps = depth / step;
+    if steps.abs() < 1.0 / f64::EPSILON { steps.round() * step } else { depth }
 }
 
 fn points(soup: &Soup) -> Vec<DVec3> {
@@ -138,6 +145,14 @@ mod tests {
         for p in points(&after.soup) {
             let steps = p.dot(view) / step;
             assert!((steps - steps.round()).abs() < 1e-6, "{steps}");
+        }
+    }
+
+    #[test]
+    fn noise_below_the_digits_changes_no_more_than_them() {
+        for deviation in [1e-320, 1e-30] {
+            let after = ScanNoise { deviation, ..noise(6) }.apply(clean());
+            assert!(moved(&clean(), &after).iter().all(|m| m.length() < 1e-14), "{deviation}");
         }
     }
 
