@@ -194,8 +194,8 @@ fn print_line(line: &Line, before: Option<&Line>) {
 /// Three significant digits, without the tails of tiny numbers.
 fn short(value: f64) -> String {
     match value {
-        v if !v.is_finite() => "-".to_owned(),
-        v if v == 0.0 => "0".to_owned(),
+        v if !v.is_finite() => "inf".to_owned(),
+        0.0 => "0".to_owned(),
         v if v >= 100.0 => format!("{v:.0}"),
         v if v >= 0.001 => format!("{v:.*}", (2 - v.log10().floor() as i32).max(0) as usize),
         v => format!("{v:.0e}"),
