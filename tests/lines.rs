@@ -133,6 +133,19 @@ fn synthetic_shapes_come_with_their_curvature() {
         fs::read(path.join("shaken.ply")).expect("a mesh")
     };
     assert!(shaken(1) == shaken(1) && shaken(1) != shaken(2));
+    // A scanner that looks along z leaves x and y alone.
+    let column_of = |line: &str, axis: usize| -> Vec<f64> {
+        works(path, line);
+        let obj = fs::read_to_string(path.join("seen.obj")).expect("a mesh");
+        let vertices = obj.lines().filter_map(|line| line.strip_prefix("v "));
+        vertices.map(|v| v.split(' ').nth(axis).and_then(|c| c.parse().ok()).expect("a number")).collect()
+    };
+    let (clean, seen) = (
+        "synth wave --faces 600 -o seen.obj",
+        "synth wave --faces 600 --scan-noise 0.1 --scan-view 0,0,-1 -o seen.obj",
+    );
+    assert_eq!(column_of(clean, 0), column_of(seen, 0));
+    assert_ne!(column_of(clean, 2), column_of(seen, 2));
 }
 
 #[test]
@@ -155,6 +168,8 @@ fn what_cannot_be_drawn_is_told_and_nothing_is_written() {
         ("synth torus --tube 5 -o x.glb", "below --radius"),
         ("synth fillet-box --fillet 3 -o x.glb", "half the shortest"),
         ("synth torus --cells 2,2 -o x.glb", "at least 3"),
+        ("synth torus --scan-noise nan -o x.stl", "must be 0 or more"),
+        ("synth torus --scan-noise 0.1 --scan-view 0,0,0 -o x.stl", "must not be 0,0,0"),
         ("synth torus -o x.glb", "extension"),
         ("annotate torus.ply -o x.glb --radius 100", "larger than the mesh"),
     ] {

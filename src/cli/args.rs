@@ -435,6 +435,16 @@ pub(super) struct SynthArgs {
     #[arg(long, value_name = "EDGES", default_value_t = 0.0, help_heading = "Mesh")]
     pub(super) noise: f64,
 
+    /// Noise of a range scanner: standard deviation, in mean edges, of errors along --scan-view that
+    /// are alike at neighbouring vertices, in steps of half of it; 0 or more
+    #[arg(long, value_name = "EDGES", default_value_t = 0.0, help_heading = "Mesh")]
+    pub(super) scan_noise: f64,
+
+    /// Direction in which the scanner of --scan-noise looks
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, default_value = "1,2,3", allow_hyphen_values = true,
+          help_heading = "Mesh")]
+    pub(super) scan_view: DVec3,
+
     /// Chooses the random numbers
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Mesh")]
     pub(super) seed: u64,

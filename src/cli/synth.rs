@@ -5,7 +5,7 @@ use super::args::SynthArgs;
 use super::choices::ShapeArg;
 use super::messages::Messages;
 use glam::DVec3;
-use osculate::synth::{Grid, RoundedBox, Surface, Synthetic};
+use osculate::synth::{Grid, RoundedBox, ScanNoise, Surface, Synthetic};
 use osculate::{Error, Output};
 use std::io::Write;
 
@@ -16,7 +16,8 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
     }
     // Opened before any work, so that a wrong folder is known at once.
     let exact = args.exact.as_deref().map(Output::create).transpose()?;
-    let synthetic = build(args)?;
+    let scan = ScanNoise { deviation: args.scan_noise, view: args.scan_view, seed: args.seed };
+    let synthetic = scan.apply(build(args)?);
     osculate::write_mesh(&synthetic.soup, &args.output)?;
     if let Some(mut out) = exact {
         out.write_all(synthetic.exact_csv().as_bytes()).map_err(|e| out.error(e))?;
@@ -41,6 +42,8 @@ fn check(args: &SynthArgs) -> Result<(), Error> {
             usage("--jitter must be 0 or more and below 0.5, or triangles turn over")
         }
         _ if !(args.noise >= 0.0 && args.noise.is_finite()) => usage("--noise must be 0 or more"),
+        _ if !(args.scan_noise >= 0.0 && args.scan_noise.is_finite()) => usage("--scan-noise must be 0 or more"),
+        _ if args.scan_view.try_normalize().is_none() => usage("--scan-view must not be 0,0,0"),
         _ if !(0.001..=1000.0).contains(&args.aspect) => usage("--aspect must be 0.001 to 1000"),
         _ if !(4..=100_000_000).contains(&args.faces) => usage("--faces must be 4 to 100000000"),
         _ => Ok(()),

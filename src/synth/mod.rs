@@ -2,9 +2,11 @@
 
 mod random;
 mod rounded_box;
+mod scan_noise;
 mod surface;
 
 pub use rounded_box::RoundedBox;
+pub use scan_noise::ScanNoise;
 pub use surface::{Exact, Surface};
 
 use crate::soup::{Positions, Soup};
@@ -116,12 +118,17 @@ impl Grid {
 
 /// Moves every coordinate by a normal random number, `noise` mean edges strong.
 fn noisy(points: &[DVec3], faces: &[[u32; 3]], noise: f64, seed: u64) -> Vec<[f64; 3]> {
-    let edges = || faces.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let total: f64 = edges().map(|(a, b)| points[a as usize].distance(points[b as usize])).sum();
-    let deviation = noise * total / (3 * faces.len()) as f64;
+    let deviation = noise * mean_edge(points, faces);
     // Another stream than the jitter's.
     let mut random = Random::new(!seed);
     points.iter().map(|p| p.to_array().map(|c| c + deviation * random.normal())).collect()
+}
+
+/// Mean length of the faces' sides.
+fn mean_edge(points: &[DVec3], faces: &[[u32; 3]]) -> f64 {
+    let sides = || faces.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let total: f64 = sides().map(|(a, b)| points[a as usize].distance(points[b as usize])).sum();
+    total / (3 * faces.len()).max(1) as f64
 }
 
 fn points_along(axis: Axis, cells: usize) -> usize {
