@@ -174,7 +174,7 @@ impl Steps {
     }
 }
 
-fn fill(rows: &mut Rows, points: &[DVec3], width: usize, extra: usize) {
+pub(super) fn fill(rows: &mut Rows, points: &[DVec3], width: usize, extra: usize) {
     rows.reset(points.len() + extra, width);
     for (row, &p) in points.iter().enumerate() {
         rows.set(row, &basis(p)[..width], p.z);
@@ -183,7 +183,7 @@ fn fill(rows: &mut Rows, points: &[DVec3], width: usize, extra: usize) {
 
 /// The normal equations with a prior on the terms beyond the paraboloid: where rounding (or noise)
 /// is strong, terms that a surface bending as this one does has no use for stay small.
-fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
+pub(super) fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
     let mut prior = [0.0; MOST];
     let plain = rows.factor(&prior);
     if rows.width() <= 6 {

@@ -182,6 +182,12 @@ impl Implicit {
         p.is_finite().then_some(p)
     }
 
+    /// Nearly the distance of a point from the surface, in file units: negative on the inner side.
+    pub(super) fn distance(&self, point: DVec3) -> f64 {
+        let p = self.frame.to_local(point);
+        self.value(p) / self.gradient(p).length() * self.frame.unit
+    }
+
     /// The shape of the surface at the foot of a point; `None` where Newton's steps fail.
     pub(super) fn shape_at(&self, point: DVec3) -> Option<Shape> {
         let foot = self.foot(self.frame.to_local(point))?;

@@ -12,14 +12,18 @@ use rayon::prelude::*;
 /// Vertices per window, by level.
 const LEVELS: [usize; 6] = [28, 48, 81, 138, 234, 398];
 const DEGREES: [usize; 2] = [3, 4];
-const CANDIDATES: usize = LEVELS.len() * DEGREES.len();
+/// Two chord polynomials and a cyclide per level.
+const MODELS: usize = DEGREES.len() + 1;
+const CANDIDATES: usize = LEVELS.len() * MODELS;
+/// Terms of a Darboux cyclide.
+const CYCLIDE: usize = 13;
 /// A patch is evaluated up to this share of its window's radius.
 const REACH: f64 = 0.85;
 /// Growth of the residual from one level to the next (squared) from which it is detail, not noise.
 const SMOOTH: f64 = 6.8;
 const ROUGH: f64 = 1.5;
 /// A surface that shows detail at every scale is trusted to this share of an edge only.
-const ROUGH_NOISE: f64 = 0.1;
+const ROUGH_NOISE: f64 = 0.04;
 const CHUNK: usize = 64;
 
 /// What a blend of patches says about a face.
@@ -38,15 +42,39 @@ struct Probe {
     tensors: [[f64; 6]; CANDIDATES],
     /// Variances of the tensors for samples of unit variance.
     variances: [f64; CANDIDATES],
-    /// Variance of samples, by level; infinite where there is no fit.
+    /// Variance of samples about each candidate; infinite where there is no fit.
+    misfits: [f64; CANDIDATES],
+    /// The least of them by level.
     deviations: [f64; LEVELS.len()],
     /// Edge length, roughly.
     spacing: f64,
     neighbours: Vec<u32>,
 }
 
+#[derive(Clone, Copy)]
+enum Surface {
+    Chord(Chord),
+    Implicit(super::implicit::Implicit),
+}
+
+impl Surface {
+    fn radius(&self) -> f64 {
+        match self {
+            Surface::Chord(c) => c.frame.unit,
+            Surface::Implicit(i) => i.frame.unit,
+        }
+    }
+
+    fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
+        match self {
+            Surface::Chord(c) => c.shape_at(point),
+            Surface::Implicit(i) => Some((i.distance(point), i.shape_at(point)?)),
+        }
+    }
+}
+
 struct Patch {
-    surface: Chord,
+    surface: Surface,
     error: f64,
     noise: f64,
 }
@@ -99,7 +127,7 @@ impl Noisy<'_> {
             }).collect();
             let fit = ChordFit::weighted(frame, &worker.samples, &weights, 2, &mut worker.rows)?;
             let degree = degree.min(fit.highest());
-            return Some(Patch { surface: fit.surface(degree), error: 1.0, noise: fit.deviation_squared(degree).sqrt() });
+            return Some(Patch { surface: Surface::Chord(fit.surface(degree)), error: 1.0, noise: fit.deviation_squared(degree).sqrt() });
         }
         let centre = self.mesh.barycentre(seed);
         worker.window.start(self.mesh, seed);
@@ -119,7 +147,7 @@ impl Noisy<'_> {
         let frame = super::implicit::Frame { unit: reached.max(radius), ..frame };
         let fit = ChordFit::new(frame, &worker.samples, 2, &mut worker.rows)?;
         let degree = degree.min(fit.highest());
-        Some(Patch { surface: fit.surface(degree), error: 1.0, noise: fit.deviation_squared(degree).sqrt() })
+        Some(Patch { surface: Surface::Chord(fit.surface(degree)), error: 1.0, noise: fit.deviation_squared(degree).sqrt() })
     }
 
     /// Values from a window around every vertex, averaged over each face's corners.
@@ -281,6 +309,7 @@ impl Noisy<'_> {
             seed,
             tensors: [[f64::NAN; 6]; CANDIDATES],
             variances: [f64::INFINITY; CANDIDATES],
+            misfits: [f64::INFINITY; CANDIDATES],
             deviations: [f64::INFINITY; LEVELS.len()],
             spacing: 0.0,
             neighbours: Vec::new(),
@@ -299,13 +328,27 @@ impl Noisy<'_> {
                 if degree > fit.highest() {
                     continue;
                 }
-                let at = level * DEGREES.len() + i;
+                let at = level * MODELS + i;
                 if let Some((_, shape)) = fit.surface(degree).shape_at(centre) {
                     probe.tensors[at] = upper(shape.tensor);
                     probe.variances[at] = fit.tensor_variance(degree);
+                    probe.misfits[at] = fit.deviation_squared(degree);
                 }
             }
-            let deviation = fit.deviation_squared(fit.highest());
+            let mut deviation = fit.deviation_squared(fit.highest());
+            if level > 0
+                && let Some((surface, factor, residual)) = cyclide(fit.frame, &worker.samples, deviation.sqrt(), &mut worker.rows)
+                && let Some(shape) = surface.shape_at(centre)
+            {
+                let at = level * MODELS + DEGREES.len();
+                probe.tensors[at] = upper(shape.tensor);
+                let of = |at: usize| factor.variance(&std::array::from_fn(|i| f64::from(i == at)), CYCLIDE);
+                probe.variances[at] = (4.0 * of(3) + 2.0 * of(4) + 4.0 * of(5)) / fit.frame.unit.powi(4);
+                probe.misfits[at] = residual;
+                if level >= 3 {
+                    deviation = deviation.min(residual);
+                }
+            }
             probe.deviations[level] = deviation;
             least = least.min(deviation);
             if level < 2 {
@@ -336,7 +379,8 @@ impl Noisy<'_> {
         if count == 0.0 {
             return None;
         }
-        let growth = mean(&|p| (p.deviations[1] / p.deviations[0]).ln()).exp();
+        let quartic = |p: &Probe, level: usize| p.misfits[level * MODELS + 1];
+        let growth = mean(&|p| (quartic(p, 1) / quartic(p, 0)).ln()).exp();
         if growth > SMOOTH {
             return None;
         }
@@ -345,16 +389,33 @@ impl Noisy<'_> {
             noise = noise.max((ROUGH_NOISE * mean(&|p| p.spacing)).powi(2));
         }
         let variance: [f64; CANDIDATES] = std::array::from_fn(|j| {
-            if probe.variances[j].is_finite() { noise * mean(&|p| p.variances[j]) } else { f64::INFINITY }
+            let level = j / MODELS;
+            let s = if std::env::var_os("OWN").is_some() { mean(&|p| p.deviations[level]).max(noise) } else { noise };
+            if probe.variances[j].is_finite() { s * mean(&|p| p.variances[j]) } else { f64::INFINITY }
         });
         let mut best = (f64::INFINITY, usize::MAX);
-        for j in (0..CANDIDATES).filter(|&j| variance[j].is_finite()) {
+        // A cyclide is believed where it explains a large window better than a polynomial does.
+        let believed = |j: usize| {
+            let (level, model) = (j / MODELS, j % MODELS);
+            model < DEGREES.len()
+                || level >= 2 && mean(&|p| p.misfits[j]) < mean(&|p| p.misfits[level * MODELS + DEGREES.len() - 1])
+        };
+        let excess = |j: usize| {
+            let samples = LEVELS[j / MODELS] as f64;
+            (mean(&|p| p.misfits[j]) - noise * (1.0 + 2.0 * (2.0 / samples).sqrt())).max(0.0)
+        };
+        let witness: [bool; CANDIDATES] =
+            std::array::from_fn(|i| i % MODELS < DEGREES.len() && variance[i].is_finite() && (i < 2 * MODELS || excess(i) == 0.0));
+        for j in (0..CANDIDATES).filter(|&j| variance[j].is_finite() && believed(j)) {
             let mut bias = 0.0_f64;
-            for i in (0..CANDIDATES).filter(|&i| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j]) {
+            for i in (0..CANDIDATES).filter(|&i| witness[i] && variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j]) {
                 let between = mean(&|p| distance_squared(&p.tensors[i], &p.tensors[j]));
                 bias = bias.max(between - (variance[i] - variance[j]));
             }
-            let risk = variance[j] + bias;
+            // What a window does not explain is detail; it bends the fit as a whole.
+            let samples = LEVELS[j / MODELS] as f64;
+            let share = excess(j) / noise * samples / 13.0;
+            let risk = variance[j] * (1.0 + share) + bias;
             if risk < best.0 {
                 best = (risk, j);
             }
@@ -363,10 +424,15 @@ impl Noisy<'_> {
         if at == usize::MAX {
             return None;
         }
-        let (level, degree) = (at / DEGREES.len(), DEGREES[at % DEGREES.len()]);
+        let (level, model) = (at / MODELS, at % MODELS);
         worker.window.start(self.mesh, probe.seed);
         let fit = self.fit(probe.seed, level, worker, None)?;
-        Some(Patch { surface: fit.surface(degree.min(fit.highest())), error: risk.sqrt(), noise: fit.deviation_squared(degree.min(fit.highest())).sqrt() })
+        if model == DEGREES.len() {
+            let (surface, _, residual) = cyclide(fit.frame, &worker.samples, noise.sqrt(), &mut worker.rows)?;
+            return Some(Patch { surface: Surface::Implicit(surface), error: risk.sqrt(), noise: residual.sqrt() });
+        }
+        let degree = DEGREES[model];
+        Some(Patch { surface: Surface::Chord(fit.surface(degree.min(fit.highest()))), error: risk.sqrt(), noise: fit.deviation_squared(degree.min(fit.highest())).sqrt() })
     }
 
     fn blend(&self, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Vec<Option<Blended>> {
@@ -378,7 +444,7 @@ impl Noisy<'_> {
             .enumerate()
             .map_init(Worker::new, |worker, (i, (&seed, patch))| {
                 let Some(patch) = patch else { return Vec::new() };
-                let radius = REACH * patch.surface.frame.unit;
+                let radius = REACH * patch.surface.radius();
                 let centre = mesh.barycentre(seed);
                 let near = |f: u32| mesh.barycentre(Face(f)).distance(centre) <= radius;
                 worker.window.start(mesh, seed);
@@ -424,7 +490,7 @@ impl Noisy<'_> {
         let (mut radius, mut error) = (0.0, 0.0);
         for &i in mine {
             let Some(patch) = &patches[i as usize] else { continue };
-            let size = patch.surface.frame.unit;
+            let size = patch.surface.radius();
             let x = self.mesh.barycentre(seeds[i as usize]).distance_squared(centre) / (REACH * size).powi(2);
             let Some((height, shape)) = patch.surface.shape_at(centre) else { continue };
             let facing = shape.normal.dot(normal);
@@ -444,6 +510,46 @@ impl Noisy<'_> {
         let tensor = projection * (tensor * (1.0 / total)) * projection;
         Some(Blended { shape: Shape { normal, tensor }, radius: radius / total, error: error / total })
     }
+}
+
+/// A cyclide through noisy samples: the least sum of squared distances from the surface, not of squared
+/// residuals of the equation, in which noise would stand on both sides. Returns also the normal
+/// equations and the variance of the samples.
+fn cyclide(
+    frame: super::implicit::Frame,
+    samples: &[DVec3],
+    noise: f64,
+    rows: &mut Rows,
+) -> Option<(super::implicit::Implicit, super::least_squares::Factor, f64)> {
+    use super::exact::{factor_with_prior, fill};
+    use super::implicit::{Implicit, basis};
+    if samples.len() < CYCLIDE + 8 {
+        return None;
+    }
+    let noise = noise / frame.unit;
+    let local: Vec<DVec3> = samples.iter().map(|&p| frame.to_local(p)).collect();
+    fill(rows, &local, CYCLIDE, 0);
+    let mut factor = factor_with_prior(rows, noise);
+    let mut surface = Implicit { frame, coefficients: factor.solve(CYCLIDE), size: CYCLIDE };
+    for _ in 0..3 {
+        for (row, &p) in local.iter().enumerate() {
+            // The distance, linear in the coefficients: that of the foot plus that of the sample from it.
+            let gradient = surface.gradient(p);
+            let foot = p - gradient * (surface.value(p) / gradient.length_squared());
+            let gradient = surface.gradient(foot);
+            let slope = gradient.length();
+            if !(slope > 0.05) || !foot.is_finite() || foot.distance_squared(p) > 0.25 {
+                return None;
+            }
+            let value = foot.z + gradient.dot(p - foot);
+            rows.set(row, &basis(foot).map(|f| f / slope)[..CYCLIDE], value / slope);
+        }
+        factor = factor_with_prior(rows, noise);
+        surface.coefficients = factor.solve(CYCLIDE);
+    }
+    let residual = rows.residual(&surface.coefficients[..CYCLIDE], samples.len());
+    let variance = residual * frame.unit.powi(2) / (samples.len() - CYCLIDE) as f64;
+    variance.is_finite().then_some((surface, factor, variance))
 }
 
 fn upper(m: DMat3) -> [f64; 6] {
