@@ -1,6 +1,6 @@
 //! The main job as a list of verbs: read, weld, estimate, colour, write.
 
-use crate::annotation::{Annotation, ColorCarrier, Space, Unit, UpAxis};
+use crate::annotation::{Annotation, ColorCarrier, Layout, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
 use crate::edge_lines::edge_layers;
@@ -27,12 +27,20 @@ pub struct AnnotateOptions {
     pub selection: Selection,
     /// The quantity that colours show; `None` for no colours. Default: mean.
     pub color_by: Option<Quantity>,
+    /// Quantities between whose colours a viewer of a glTF file can choose. Where `color_by` is among
+    /// them it is the one shown first, otherwise the first is. Empty: only `color_by`.
+    pub variants: Vec<Quantity>,
     /// The colour map; `None` for the quantity's own.
     pub colormap: Option<Colormap>,
     /// The values at the ends of the colour map.
     pub range: Range,
     /// How a glTF file carries colours.
     pub carrier: ColorCarrier,
+    /// How a glTF file attaches values to faces.
+    pub layout: Layout,
+    /// Replace attributes of a glTF input that have a name of ours but were not written by Osculate;
+    /// otherwise they stay and ours are left out.
+    pub force: bool,
     /// The input's up axis; `None` for Z in STL and Y in everything else.
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
@@ -55,9 +63,12 @@ impl Default for AnnotateOptions {
             curvature: CurvatureOptions::default(),
             selection: Selection::default(),
             color_by: Some(Quantity::Mean),
+            variants: Vec::new(),
             colormap: None,
             range: Range::Auto,
             carrier: ColorCarrier::Texture,
+            layout: Layout::Faces,
+            force: false,
             up: None,
             unit: None,
             edges: None,
@@ -82,15 +93,38 @@ impl AnnotateOptions {
             return Err(Error::Usage("the edges are written as .glb; give their file that extension".into()));
         }
         self.curvature.check()?;
-        if self.color_by == Some(Quantity::Class) && self.colormap.is_some() {
+        if self.variants.len() > 1 && self.carrier != ColorCarrier::Texture {
+            return Err(Error::Usage("several variants need --color texture; vertices have one colour".into()));
+        }
+        let shown = self.shown();
+        if shown == [Quantity::Class] && self.colormap.is_some() {
             return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
         }
-        self.color_by.map_or(Ok(()), |quantity| color::check(quantity, self.range))
+        shown.into_iter().try_for_each(|quantity| color::check(quantity, self.range))
     }
 
-    /// The carrier, where there is something to carry.
-    fn used_carrier(&self) -> Option<ColorCarrier> {
-        self.color_by.map(|_| self.carrier)
+    /// The quantities that colours show, the first one first, each once.
+    fn shown(&self) -> Vec<Quantity> {
+        let first = match self.variants.as_slice() {
+            [] => self.color_by,
+            [first, ..] => Some(self.color_by.filter(|quantity| self.variants.contains(quantity)).unwrap_or(*first)),
+        };
+        let mut shown: Vec<Quantity> = Vec::new();
+        for quantity in first.into_iter().chain(self.variants.iter().copied()) {
+            if !shown.contains(&quantity) {
+                shown.push(quantity);
+            }
+        }
+        shown
+    }
+
+    /// Bytes that colours take in each vertex.
+    fn color_bytes(&self) -> u64 {
+        match self.carrier {
+            ColorCarrier::Texture => 8 * self.shown().len() as u64,
+            ColorCarrier::Vertex | ColorCarrier::VertexSrgb => 4,
+            ColorCarrier::None => 0,
+        }
     }
 
     /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
@@ -126,6 +160,8 @@ impl AnnotateOptions {
                 Range::Fixed(low, high) => json!([low, high]),
             },
             "color": self.carrier,
+            "variants": self.variants,
+            "layout": self.layout,
         })
     }
 }
@@ -144,11 +180,23 @@ pub fn annotate(
     options.check()?;
     destination.check_folder()?;
     let start = Instant::now();
-    let (soup, input_format) = io::read(input, progress)?;
+    let (mut soup, input_format) = io::read(input, progress)?;
     let space = options.space(input_format, format)?;
     let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
-    destination.check(format, &others, input, &soup)?;
-    io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
+    destination.check(format, &others, input, &soup, options.shown().len())?;
+    io::check_size(format, soup.face_count(), &options.selection, options.color_bytes())?;
+    if let Some(scene) = soup.scene.as_mut() {
+        if format.is_gltf() {
+            if matches!(options.carrier, ColorCarrier::Vertex | ColorCarrier::VertexSrgb) {
+                let what = "vertex colours would change the look that the glTF input has; leave --color out";
+                return Err(Error::Usage(what.into()));
+            }
+            let notes = io::check_original(scene, options.force)?;
+            soup.notes.extend(notes);
+        } else {
+            scene.original = None;
+        }
+    }
     // Opened before any work, put in its place after the main output.
     let mut edges = options.edges.as_deref().map(Output::create).transpose()?;
     let mut notes = soup.notes.clone();
@@ -161,10 +209,9 @@ pub fn annotate(
     let values = curvature::estimate(&mesh, &options.curvature, progress)?;
     let estimate = start.elapsed();
 
-    let colors = match options.color_by {
-        Some(quantity) => Some(ColorScale::new(quantity, options.colormap, options.range, &values)?),
-        None => None,
-    };
+    let colors = (options.shown().into_iter())
+        .map(|quantity| ColorScale::new(quantity, options.colormap, options.range, &values))
+        .collect::<Result<Vec<_>, _>>()?;
     let annotation = Annotation {
         mesh: &mesh,
         values: &values,
@@ -172,6 +219,8 @@ pub fn annotate(
         selection: options.selection.clone(),
         colors,
         carrier: options.carrier,
+        layout: options.layout,
+        force: options.force,
         space,
         provenance: options.provenance(),
     };

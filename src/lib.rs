@@ -47,7 +47,7 @@ mod triangulate;
 mod unfolding;
 
 pub use annotate::{AnnotateOptions, annotate};
-pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Space, Unit, UpAxis};
+pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use curvature::{
     CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius, disk_at, estimate, from_disk, normal_curvature,
@@ -70,6 +70,6 @@ pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};
 pub use quantity::{Quantity, Selection};
 pub use section::{Crossing, Features, Plane, Stop};
-pub use soup::{Group, MAX_FACES, Node, Note, Positions, Scene, Soup, Transform};
+pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
 pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};

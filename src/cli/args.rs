@@ -3,11 +3,11 @@
 use super::choices::{
     AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LogFormat, ReportFormat, ShapeArg, UnitArg, UpArg,
 };
-use super::parse::{cells, pair, plane, radius, radius_factor, range, seeds, threads, vector};
+use super::parse::{cells, pair, plane, quantity, radius, radius_factor, range, seeds, threads, vector};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, Selection, Space,
+    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, Layout, MeshOptions, Radius, Range, Selection, Space,
     TraceOptions,
 };
 use std::path::PathBuf;
@@ -191,6 +191,11 @@ pub(super) struct LookArgs {
     #[arg(long, value_enum, value_name = "QUANTITY", default_value_t = ColorByArg::Mean)]
     color_by: ColorByArg,
 
+    /// Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants),
+    /// separated by commas; --color-by is shown first where it is among them, otherwise the first is
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = quantity)]
+    variants: Vec<osculate::Quantity>,
+
     /// Colours; default: blue-red for signed quantities, viridis for others, one colour per class
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Colormap::names()))]
     colormap: Option<String>,
@@ -204,6 +209,11 @@ pub(super) struct LookArgs {
     /// light (by the specification), vertex colours in sRGB (for MeshLab), or not at all
     #[arg(long, value_enum, value_name = "CARRIER", default_value_t = CarrierArg::Texture)]
     color: CarrierArg,
+
+    /// Replace attributes of a glTF input that have one of the names above but come from elsewhere;
+    /// without it they stay and Osculate's are left out
+    #[arg(long)]
+    force: bool,
 }
 
 impl AnnotateArgs {
@@ -216,6 +226,9 @@ impl AnnotateArgs {
             colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
             range: self.look.range,
             carrier: self.look.color.into(),
+            variants: self.look.variants.clone(),
+            layout: Layout::Faces,
+            force: self.look.force,
             up: self.look.space.up.map(Into::into),
             unit: self.look.space.unit.map(Into::into),
             edges: self.edges.clone(),

@@ -8,6 +8,7 @@ mod obj;
 mod output;
 mod plain;
 mod ply;
+mod png;
 mod stl;
 mod svg;
 mod text;
@@ -22,8 +23,9 @@ use crate::annotation::{Annotation, ColorCarrier};
 use crate::error::{Error, ParseError};
 use crate::progress::{Progress, Stage};
 use crate::quantity::Selection;
-use crate::soup::Soup;
+use crate::soup::{Note, Original, Scene, Soup};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A mesh file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -107,10 +109,15 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let folder = path.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
     let content = without_byte_order_mark(&bytes);
-    let result = InputFormat::of(path, content).and_then(|format| Ok((read_bytes(content, format, folder)?, format)));
+    let result = InputFormat::of(path, content).and_then(|format| Ok((parse(content, format, folder)?, format)));
     progress.advance(bytes.len() as u64);
     progress.end();
-    result.map_err(|e| Error::parse(path, e))
+    let (mut soup, format) = result.map_err(|e| Error::parse(path, e))?;
+    if let Some(scene) = &mut soup.scene {
+        let original = Original { path: path.to_path_buf(), folder: folder.map(Path::to_path_buf), bytes };
+        scene.original = Some(Arc::new(original));
+    }
+    Ok((soup, format))
 }
 
 /// Reads a mesh of a known format. `folder` is where files that a glTF names may be found.
@@ -118,7 +125,16 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
 /// # Errors
 /// Place and reason where the content is not what the format promises.
 pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
-    let bytes = without_byte_order_mark(bytes);
+    let mut soup = parse(without_byte_order_mark(bytes), format, folder)?;
+    if let Some(scene) = &mut soup.scene {
+        let original =
+            Original { path: "the input".into(), folder: folder.map(Path::to_path_buf), bytes: bytes.to_vec() };
+        scene.original = Some(Arc::new(original));
+    }
+    Ok(soup)
+}
+
+fn parse(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
     match format {
         InputFormat::Stl => stl::read(bytes),
         InputFormat::Obj => obj::read(bytes),
@@ -173,21 +189,25 @@ impl OutputFormat {
     }
 }
 
-/// Refuses, before any work is done, what the format cannot hold. `carrier` is `None` where there
-/// are no colours.
+/// Refuses, before any work is done, what the format cannot hold. `color_bytes` is what colours take
+/// in each vertex: 8 for a palette texture, 4 for vertex colours.
 ///
 /// # Errors
 /// [`Error::TooLarge`] with the ways out.
-pub fn check_size(
-    format: OutputFormat,
-    faces: usize,
-    selection: &Selection,
-    carrier: Option<ColorCarrier>,
-) -> Result<(), Error> {
+pub fn check_size(format: OutputFormat, faces: usize, selection: &Selection, color_bytes: u64) -> Result<(), Error> {
     if format == OutputFormat::Glb {
-        gltf::check_glb_length(gltf::faces_byte_length(faces, &selection.for_gltf(), carrier))?;
+        gltf::check_glb_length(gltf::faces_byte_length(faces, &selection.for_gltf(), color_bytes))?;
     }
     Ok(())
+}
+
+/// Refuses, before any work is done, a glTF input that cannot be carried over to a glTF output, and
+/// says what of it will stay as it is.
+///
+/// # Errors
+/// [`Error::Parse`] with the place.
+pub(crate) fn check_original(scene: &Scene, force: bool) -> Result<Vec<Note>, Error> {
+    gltf::check_original(scene, force)
 }
 
 /// Writes an annotated mesh.
@@ -237,9 +257,12 @@ fn write_to(
 /// Roughly how many bytes will be written, for the progress bar.
 fn expected_bytes(annotation: &Annotation<'_>, format: OutputFormat) -> u64 {
     let faces = annotation.values.len();
-    let carrier = annotation.colors.as_ref().map(|_| annotation.carrier);
     if format.is_gltf() {
-        return gltf::faces_byte_length(faces, &annotation.gltf_quantities(), carrier);
+        let color_bytes = match annotation.carrier {
+            ColorCarrier::Texture => 8 * annotation.colors.len() as u64,
+            _ => 4,
+        };
+        return gltf::faces_byte_length(faces, &annotation.gltf_quantities(), color_bytes);
     }
     let columns: usize = annotation.selection.for_csv().iter().map(|q| q.columns().len()).sum();
     faces as u64 * if format == OutputFormat::Csv { 11 * columns as u64 } else { 27 + 4 * columns as u64 }

@@ -2,7 +2,7 @@
 //!
 //! Always a file of their own: MeshLab takes lines in a file with triangles for triangles.
 
-use super::layout::{check_glb_length, empty_document};
+use super::layout::check_glb_length;
 use super::write::write_chunks;
 use crate::annotation::Space;
 use crate::color::linear_factor;
@@ -104,6 +104,18 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
     let document = root.to_vec().unwrap_or_default();
     check_glb_length((document.len() + bin.len()) as u64)?;
     write_chunks(document, bin.len() as u64, out, |out| std::io::Write::write_all(out, &bin))
+}
+
+/// A document that says who made it.
+fn empty_document() -> json::Root {
+    json::Root {
+        asset: json::Asset {
+            generator: Some(format!("osculate {}", env!("CARGO_PKG_VERSION"))),
+            version: "2.0".into(),
+            ..Default::default()
+        },
+        ..Default::default()
+    }
 }
 
 /// How polylines are drawn: single segments in one list, others each for itself.

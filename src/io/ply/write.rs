@@ -33,7 +33,7 @@ pub(in crate::io) fn write(
         writeln!(out, "property {coordinate} {axis}")?;
     }
     writeln!(out, "element face {}\nproperty list uchar int vertex_indices", mesh.face_count())?;
-    if annotation.colors.is_some() {
+    if !annotation.colors.is_empty() {
         writeln!(out, "property float quality")?;
         for channel in ["red", "green", "blue", "alpha"] {
             writeln!(out, "property uchar {channel}")?;
@@ -56,7 +56,7 @@ pub(in crate::io) fn write(
             }
         }
     })?;
-    let palette = annotation.colors.as_ref().map(|colors| (colors, colors.map.palette()));
+    let palette = annotation.colors.first().map(|colors| (colors, colors.map.palette()));
     in_blocks(mesh.face_count(), out, progress, |faces, bytes| {
         for f in faces.map(Face) {
             let value = &annotation.values[f.index()];

@@ -1,0 +1,541 @@
+//! glTF in, glTF out: everything of a scene comes out as it went in. Files are read back here without
+//! this crate's own reader.
+
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(ROOT).join("fixtures").join(name)
+}
+
+fn run(input: &Path, output: &Path, extra: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_osculate"))
+        .arg("annotate")
+        .arg(input)
+        .arg("-o")
+        .arg(output)
+        .args(extra)
+        .output()
+        .expect("the program starts")
+}
+
+fn annotate(input: &Path, output: &Path, extra: &[&str]) -> String {
+    let run = run(input, output, extra);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert!(matches!(run.status.code(), Some(0 | 3)), "{said}");
+    said
+}
+
+/// A document and the bytes of its buffers.
+struct Document {
+    json: Value,
+    buffers: Vec<Vec<u8>>,
+    folder: PathBuf,
+}
+
+impl Document {
+    fn read(path: &Path) -> Self {
+        let bytes = fs::read(path).expect("a file");
+        let folder = path.parent().expect("a folder").to_path_buf();
+        let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("4 bytes")) as usize;
+        if !bytes.starts_with(b"glTF") {
+            let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+            let uris = json["buffers"].as_array().into_iter().flatten().map(|b| b["uri"].as_str().expect("a URI"));
+            let buffers = uris.map(|uri| fs::read(folder.join(uri)).expect("a buffer")).collect();
+            return Document { json, buffers, folder };
+        }
+        let bin = 20 + word(12);
+        let json = serde_json::from_slice(&bytes[20..bin]).expect("JSON");
+        Document { json, buffers: vec![bytes[bin + 8..].to_vec()], folder }
+    }
+
+    fn view(&self, index: &Value) -> (&[u8], Option<usize>) {
+        let view = &self.json["bufferViews"][index.as_u64().expect("a view") as usize];
+        let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let length = view["byteLength"].as_u64().expect("a length") as usize;
+        let buffer = &self.buffers[view["buffer"].as_u64().expect("a buffer") as usize];
+        (&buffer[start..start + length], view["byteStride"].as_u64().map(|s| s as usize))
+    }
+
+    /// The elements of an accessor as bytes, sparse ones replaced.
+    fn elements(&self, index: &Value) -> Vec<Vec<u8>> {
+        let accessor = &self.json["accessors"][index.as_u64().expect("an accessor") as usize];
+        let width = |kind: &Value| match kind.as_u64().expect("a type") {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            _ => 4,
+        };
+        let parts = ["SCALAR", "VEC2", "VEC3", "VEC4", "", "", "", "", "", "MAT4"];
+        let shape = parts.iter().position(|p| accessor["type"] == **p).expect("a type");
+        let size = width(&accessor["componentType"]) * if shape == 9 { 16 } else { shape + 1 };
+        let count = accessor["count"].as_u64().expect("a count") as usize;
+        let mut all = vec![vec![0; size]; count];
+        if accessor["bufferView"].is_u64() {
+            let (bytes, stride) = self.view(&accessor["bufferView"]);
+            let bytes = &bytes[accessor["byteOffset"].as_u64().unwrap_or(0) as usize..];
+            for (element, chunk) in all.iter_mut().zip(bytes.chunks(stride.unwrap_or(size))) {
+                element.copy_from_slice(&chunk[..size]);
+            }
+        }
+        if let Some(sparse) = accessor.get("sparse") {
+            let (places, _) = self.view(&sparse["indices"]["bufferView"]);
+            let (values, _) = self.view(&sparse["values"]["bufferView"]);
+            let wide = width(&sparse["indices"]["componentType"]);
+            for (place, value) in places.chunks_exact(wide).zip(values.chunks_exact(size)) {
+                all[place.iter().rev().fold(0, |number, &byte| 256 * number + usize::from(byte))] = value.to_vec();
+            }
+        }
+        all
+    }
+
+    fn image(&self, image: &Value) -> Vec<u8> {
+        match image["uri"].as_str() {
+            Some(uri) => fs::read(self.folder.join(uri)).expect("an image"),
+            None => self.view(&image["bufferView"]).0.to_vec(),
+        }
+    }
+
+    /// The vertex numbers of the corners of all triangles of a primitive.
+    fn corners(&self, primitive: &Value, count: usize) -> Vec<usize> {
+        let numbers: Vec<usize> = match primitive.get("indices") {
+            None => (0..count).collect(),
+            Some(indices) => (self.elements(indices).into_iter())
+                .map(|e| e.iter().rev().fold(0, |number, &byte| 256 * number + usize::from(byte)))
+                .collect(),
+        };
+        match primitive.get("mode").and_then(Value::as_u64).unwrap_or(4) {
+            4 => numbers,
+            5 => (0..numbers.len() - 2)
+                .flat_map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i, i + 2, i + 1] })
+                .map(|i| numbers[i])
+                .collect(),
+            mode => panic!("mode {mode}"),
+        }
+    }
+
+    /// The document with every accessor and image by its content instead of its number, and what Osculate
+    /// added taken out.
+    fn meaning(&self) -> Value {
+        let hex = |elements: &[Vec<u8>]| -> Value {
+            elements.iter().map(|e| e.iter().map(|b| format!("{b:02x}")).collect::<String>()).collect()
+        };
+        let mut json = self.json.clone();
+        let accessor = |index: &Value| {
+            let mut described = self.json["accessors"][index.as_u64().expect("an accessor") as usize].clone();
+            for key in ["bufferView", "byteOffset", "sparse", "count"] {
+                described.as_object_mut().expect("an object").remove(key);
+            }
+            described
+        };
+        let is_ours = |value: &Value| value.pointer("/extras/osculate").is_some();
+        let ours: Vec<usize> = json["materials"].as_array().map_or(Vec::new(), |materials| {
+            materials.iter().enumerate().filter(|(_, m)| is_ours(m)).map(|(i, _)| i).collect()
+        });
+        for mesh in json["meshes"].as_array_mut().expect("meshes") {
+            for primitive in mesh["primitives"].as_array_mut().expect("primitives") {
+                let mode = primitive.get("mode").and_then(Value::as_u64).unwrap_or(4);
+                if mode < 4 {
+                    continue;
+                }
+                let attributes = primitive["attributes"].clone();
+                let count = self.elements(&attributes["POSITION"]).len();
+                let corners = self.corners(primitive, count);
+                let texcoord = |material: &Value| {
+                    let info = &self.json["materials"][material.as_u64().expect("a number") as usize];
+                    info["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"].as_u64().unwrap_or(0)
+                };
+                let mut gone: Vec<String> =
+                    ["_FACE_ID", "_CURV", "_DIRECTION", "_COVERAGE", "_CONFIDENCE", "_SHAPE", "_RADIUS"]
+                        .map(str::to_owned)
+                        .into();
+                if is_ours(primitive) {
+                    primitive.as_object_mut().expect("an object").remove("extras");
+                }
+                if let Some(mappings) = primitive.pointer_mut("/extensions/KHR_materials_variants/mappings") {
+                    let list = mappings.as_array_mut().expect("mappings");
+                    list.retain(|mapping| {
+                        let material = mapping["material"].as_u64().expect("a number") as usize;
+                        if ours.contains(&material) {
+                            gone.push(format!("TEXCOORD_{}", texcoord(&mapping["material"])));
+                        }
+                        !ours.contains(&material)
+                    });
+                    if list.is_empty() {
+                        primitive["extensions"].as_object_mut().expect("some").remove("KHR_materials_variants");
+                        if primitive["extensions"] == json!({}) {
+                            primitive.as_object_mut().expect("an object").remove("extensions");
+                        }
+                    }
+                }
+                let by_corner = |map: &Value, gone: &[String]| -> Value {
+                    let map = map.as_object().expect("attributes").iter();
+                    map.filter(|(name, _)| !gone.iter().any(|g| name.starts_with(g.as_str())))
+                        .map(|(name, index)| {
+                            let elements = self.elements(index);
+                            let values: Vec<Vec<u8>> = corners.iter().map(|&c| elements[c].clone()).collect();
+                            (name.clone(), json!([accessor(index), hex(&values)]))
+                        })
+                        .collect::<serde_json::Map<_, _>>()
+                        .into()
+                };
+                primitive["attributes"] = by_corner(&attributes, &gone);
+                if let Some(targets) = primitive.get_mut("targets").and_then(Value::as_array_mut) {
+                    targets.iter_mut().for_each(|target| *target = by_corner(&target.clone(), &[]));
+                }
+                let primitive = primitive.as_object_mut().expect("an object");
+                primitive.remove("indices");
+                primitive.remove("mode");
+            }
+            if is_ours(mesh) {
+                mesh["extras"].as_object_mut().expect("extras").remove("osculate");
+                if mesh["extras"] == json!({}) {
+                    mesh.as_object_mut().expect("an object").remove("extras");
+                }
+            }
+        }
+        for skin in json.get_mut("skins").and_then(Value::as_array_mut).into_iter().flatten() {
+            let index = &skin["inverseBindMatrices"];
+            skin["inverseBindMatrices"] = json!([accessor(index), hex(&self.elements(index))]);
+        }
+        for animation in json.get_mut("animations").and_then(Value::as_array_mut).into_iter().flatten() {
+            for sampler in animation["samplers"].as_array_mut().expect("samplers") {
+                for key in ["input", "output"] {
+                    sampler[key] = json!([accessor(&sampler[key]), hex(&self.elements(&sampler[key]))]);
+                }
+            }
+        }
+        for image in json.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten() {
+            if !is_ours(image) {
+                let bytes = self.image(image);
+                let image = image.as_object_mut().expect("an image");
+                ["bufferView", "uri", "mimeType"].iter().for_each(|key| _ = image.remove(*key));
+                image.insert("bytes".into(), hex(&[bytes]));
+            }
+        }
+        let root = json.as_object_mut().expect("an object");
+        for list in ["materials", "textures", "images", "samplers"] {
+            let Some(members) = root.get_mut(list).and_then(Value::as_array_mut) else { continue };
+            members.retain(|member| !is_ours(member));
+            if members.is_empty() {
+                root.remove(list);
+            }
+        }
+        if let Some(variants) = root.get_mut("extensions").and_then(|e| e.get_mut("KHR_materials_variants")) {
+            let list = variants["variants"].as_array_mut().expect("variants");
+            list.retain(|variant| !is_ours(variant));
+            if list.is_empty() {
+                root["extensions"].as_object_mut().expect("some").remove("KHR_materials_variants");
+                root["extensionsUsed"].as_array_mut().expect("some").retain(|name| name != "KHR_materials_variants");
+            }
+        }
+        for list in ["extensions", "extensionsUsed"] {
+            if root.get(list).is_some_and(|v| *v == json!({}) || *v == json!([])) {
+                root.remove(list);
+            }
+        }
+        // Extensions that are not known keep their views.
+        if let Some(view) = root.get("extensions").and_then(|e| e.get("ACME_data")?.get("bufferView")).cloned() {
+            root["extensions"]["ACME_data"]["bufferView"] = hex(&[self.view(&view).0.to_vec()]);
+        }
+        for list in ["accessors", "bufferViews", "buffers"] {
+            root.remove(list);
+        }
+        json
+    }
+}
+
+/// What differs first between two values, for a message that can be read.
+fn difference(path: &str, a: &Value, b: &Value) -> Option<String> {
+    match (a, b) {
+        (Value::Object(x), Value::Object(y)) => {
+            let keys = x.keys().chain(y.keys().filter(|key| !x.contains_key(*key)));
+            let of = |map: &serde_json::Map<String, Value>, key: &String| map.get(key).cloned().unwrap_or_default();
+            keys.into_iter().find_map(|key| difference(&format!("{path}/{key}"), &of(x, key), &of(y, key)))
+        }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            x.iter().zip(y).enumerate().find_map(|(i, (x, y))| difference(&format!("{path}/{i}"), x, y))
+        }
+        _ => (a != b).then(|| format!("{path}: {a} and {b}")),
+    }
+}
+
+fn assert_same(input: &Path, output: &Path, what: &str) {
+    let (a, b) = (Document::read(input).meaning(), Document::read(output).meaning());
+    assert_eq!(difference("", &a, &b), None, "{what}");
+}
+
+#[test]
+fn a_scene_comes_out_as_it_went_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["character.glb", "scene.glb", "scene.gltf", "suzanne.glb", "two_meshes.gltf"] {
+        for (output, extra) in [
+            ("out.glb", &[][..]),
+            ("out.gltf", &[]),
+            ("out.glb", &["--attributes", "class", "--color-by", "class"]),
+            ("out.glb", &["--variants", "mean,gauss,k_max,shape_index,class"]),
+            ("out.glb", &["--color-by", "none"]),
+        ] {
+            let output = folder.path().join(output);
+            annotate(&fixture(name), &output, extra);
+            assert_same(&fixture(name), &output, &format!("{name} {extra:?}"));
+        }
+    }
+}
+
+/// The numbers of a CSV column; an empty field is 0, as in glTF.
+fn column(csv: &str, name: &str) -> Vec<f32> {
+    let at = csv.lines().next().expect("a header").split(',').position(|n| n == name).expect("the column");
+    let fields = csv.lines().skip(1).map(|line| line.split(',').nth(at).expect("a field"));
+    fields.map(|field| if field.is_empty() { 0.0 } else { field.parse().expect("a number") }).collect()
+}
+
+#[test]
+fn every_corner_of_a_face_carries_the_value_of_the_csv() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for name in ["character.glb", "scene.gltf", "two_meshes_embedded.gltf"] {
+        annotate(&fixture(name), &path("out.glb"), &["--attributes", "all"]);
+        annotate(&fixture(name), &path("out.csv"), &["--attributes", "all"]);
+        let csv = fs::read_to_string(path("out.csv")).expect("a CSV");
+        let out = Document::read(&path("out.glb"));
+        for (attribute, name) in [
+            ("_FACE_ID", "face"),
+            ("_CURVATURE_CLASS", "class"),
+            ("_CURVATURE_MAX", "k_max"),
+            ("_CURVATURE_GAUSS", "gauss"),
+            ("_SHAPE_INDEX", "shape_index"),
+            ("_DIRECTION_MIN_Y", "dir_min_y"),
+            ("_RADIUS", "radius"),
+        ] {
+            let mut values = Vec::new();
+            for mesh in out.json["meshes"].as_array().expect("meshes") {
+                for primitive in mesh["primitives"].as_array().expect("primitives") {
+                    let stored = out.elements(&primitive["attributes"][attribute]);
+                    for corners in out.corners(primitive, stored.len()).chunks_exact(3) {
+                        assert!(corners.iter().all(|&c| stored[c] == stored[corners[0]]));
+                        values.push(f32::from_le_bytes(stored[corners[0]][..].try_into().expect("4 bytes")));
+                    }
+                }
+            }
+            assert_eq!(values, column(&csv, name), "{attribute}");
+        }
+    }
+}
+
+#[test]
+fn annotating_twice_equals_annotating_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for name in ["character.glb", "scene.gltf", "two_meshes.glb"] {
+        annotate(&fixture(name), &path("once.glb"), &[]);
+        annotate(&path("once.glb"), &path("twice.glb"), &[]);
+        assert!(fs::read(path("once.glb")).expect("a GLB") == fs::read(path("twice.glb")).expect("a GLB"), "{name}");
+        // Other settings in between leave nothing behind.
+        annotate(&path("once.glb"), &path("other.glb"), &["--variants", "k_max,class", "--attributes", "all"]);
+        annotate(&path("other.glb"), &path("back.glb"), &[]);
+        assert!(fs::read(path("once.glb")).expect("a GLB") == fs::read(path("back.glb")).expect("a GLB"), "{name}");
+        annotate(&path("other.glb"), &path("bare.glb"), &["--color-by", "none", "--attributes", "none"]);
+        assert_same(&fixture(name), &path("bare.glb"), name);
+    }
+    // What came from STL has no other look behind ours: ours stays the one shown.
+    annotate(&fixture("suzanne.stl"), &path("once.glb"), &[]);
+    annotate(&path("once.glb"), &path("twice.glb"), &[]);
+    let (once, twice) = (Document::read(&path("once.glb")), Document::read(&path("twice.glb")));
+    for key in ["accessors", "bufferViews", "materials", "textures", "images", "nodes"] {
+        assert_eq!(once.json[key], twice.json[key], "{key}");
+    }
+    assert_eq!(once.json["meshes"][0]["primitives"], twice.json["meshes"][0]["primitives"]);
+    assert!(once.buffers == twice.buffers);
+}
+
+/// A scene of everything that exporters seldom write: shared and sparse accessors, interleaved views,
+/// narrow attributes, strips, lines over the same vertices, unknown extensions with data, foreign
+/// variants, extras that are no objects.
+fn odd_scene() -> (Value, Vec<u8>) {
+    let mut bin: Vec<u8> = Vec::new();
+    let mut views = Vec::new();
+    let mut view = |bytes: &[u8], stride: Option<usize>| {
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        let mut view = json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len() });
+        if let Some(stride) = stride {
+            view["byteStride"] = stride.into();
+        }
+        views.push(view);
+        bin.extend_from_slice(bytes);
+        views.len() - 1
+    };
+    let grid = 4;
+    // Position and texture coordinate side by side.
+    let mut both = Vec::new();
+    for i in 0..grid {
+        for j in 0..grid {
+            let (x, y) = (i as f32, j as f32);
+            for c in [x, y, 0.3 * x * x - 0.2 * y * y, x / 3.0, y / 3.0] {
+                both.extend(c.to_le_bytes());
+            }
+        }
+    }
+    let both = view(&both, Some(20));
+    let colors: Vec<u8> = (0..4 * grid * grid).map(|i| (i * 13 % 256) as u8).collect();
+    let colors = view(&colors, Some(4));
+    let mut triangles: Vec<u16> = Vec::new();
+    for i in 0..grid - 1 {
+        for j in 0..grid - 1 {
+            let a = i * grid + j;
+            triangles.extend([a, a + grid, a + grid + 1, a, a + grid + 1, a + 1].map(|v| v as u16));
+        }
+    }
+    let half = triangles.len() / 2;
+    let bytes = |list: &[u16]| list.iter().flat_map(|i| i.to_le_bytes()).collect::<Vec<u8>>();
+    let first = view(&bytes(&triangles[..half]), None);
+    let second = view(&bytes(&triangles[half..]), None);
+    let strip = view(&[0, 4, 1, 5, 2, 6, 3, 7], None);
+    let places = view(&bytes(&[2, 9]), None);
+    let deltas: Vec<u8> = [0.5f32, 0.0, 0.25, 0.0, -0.5, 0.125].iter().flat_map(|c| c.to_le_bytes()).collect();
+    let deltas = view(&deltas, None);
+    let secret = view(b"the data of an extension nobody knows", None);
+    let joined = bin.len();
+    let points = grid * grid;
+    let accessor = |view: usize, offset: usize, component: u32, count: usize, shape: &str| json!({ "bufferView": view, "byteOffset": offset, "componentType": component, "count": count, "type": shape });
+    let mut position = accessor(both, 0, 5126, points, "VEC3");
+    position["min"] = json!([0.0, 0.0, -1.8]);
+    position["max"] = json!([3.0, 3.0, 2.7]);
+    position["extras"] = json!("kept");
+    let mut color = accessor(colors, 0, 5121, points, "VEC3");
+    color["normalized"] = true.into();
+    let morph = json!({ "componentType": 5126, "count": points, "type": "VEC3", "min": [0.0, -0.5, 0.0], "max": [0.5, 0.0, 0.25],
+        "sparse": { "count": 2, "indices": { "bufferView": places, "componentType": 5123 }, "values": { "bufferView": deltas } } });
+    let attributes = json!({ "POSITION": 0, "TEXCOORD_0": 1, "COLOR_0": 2 });
+    let variant = json!({ "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [0, 1] }] }, "ACME_more": { "x": [1, 2] } });
+    let document = json!({
+        "asset": { "version": "2.0", "copyright": "someone", "generator": "something", "extras": [1] },
+        "extensionsUsed": ["KHR_materials_variants", "ACME_data", "ACME_more"],
+        "extensions": {
+            "KHR_materials_variants": { "variants": [{ "name": "mean" }, { "name": "dusk" }] },
+            "ACME_data": { "bufferView": secret, "n": 7 }
+        },
+        "buffers": [{ "byteLength": joined, "name": "all", "extras": { "a": 1 } }],
+        "bufferViews": views,
+        "accessors": [
+            position, accessor(both, 12, 5126, points, "VEC2"), color, accessor(first, 0, 5123, half, "SCALAR"),
+            accessor(second, 0, 5123, half, "SCALAR"), accessor(strip, 0, 5121, 8, "SCALAR"), morph
+        ],
+        "materials": [{ "name": "a", "extras": { "b": [true] } }, { "alphaMode": "MASK" }],
+        "meshes": [
+            { "name": "split", "extras": { "theirs": 1 }, "weights": [0.5], "primitives": [
+                { "attributes": attributes, "indices": 3, "material": 0, "targets": [{ "POSITION": 6 }], "extensions": variant },
+                { "attributes": attributes, "indices": 4, "targets": [{ "POSITION": 6 }] },
+                { "attributes": { "POSITION": 0 }, "mode": 0 }
+            ] },
+            { "extras": 5, "primitives": [{ "attributes": attributes, "indices": 5, "mode": 5 }] }
+        ],
+        "nodes": [{ "mesh": 0, "name": "n" }, { "mesh": 1, "scale": [1, 2, 1] }, { "mesh": 0, "translation": [0, 0, 5] }],
+        "scenes": [{ "nodes": [0, 1] }, { "name": "second", "nodes": [2] }],
+        "scene": 0
+    });
+    (document, bin)
+}
+
+fn write_glb(path: &Path, json: &Value, bin: &[u8]) {
+    let mut json = json.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bin = bin.to_vec();
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let mut file = b"glTF".to_vec();
+    for word in [2, 28 + json.len() + bin.len(), json.len(), 0x4e4f_534a] {
+        file.extend((word as u32).to_le_bytes());
+    }
+    file.extend(&json);
+    file.extend((bin.len() as u32).to_le_bytes());
+    file.extend(b"BIN\0");
+    file.extend(&bin);
+    fs::write(path, file).expect("writable");
+}
+
+#[test]
+fn odd_scenes_come_out_as_they_went_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (json, bin) = odd_scene();
+    write_glb(&path("odd.glb"), &json, &bin);
+    for (output, extra) in [("out.glb", &[][..]), ("out.gltf", &["--variants", "k_max,class", "--attributes", "all"])] {
+        annotate(&path("odd.glb"), &path(output), extra);
+        assert_same(&path("odd.glb"), &path(output), output);
+        annotate(&path(output), &path("bare.glb"), &["--color-by", "none", "--attributes", "none"]);
+        assert_same(&path("odd.glb"), &path("bare.glb"), output);
+    }
+    let out = Document::read(&path("out.gltf"));
+    assert_eq!(out.json["buffers"][0]["name"], "all");
+    let names: Vec<&Value> = out.json["extensions"]["KHR_materials_variants"]["variants"]
+        .as_array()
+        .expect("some")
+        .iter()
+        .map(|v| &v["name"])
+        .collect();
+    assert_eq!(names, ["mean", "dusk", "k_max", "class"]);
+    // Points over the same vertices see as many of them as before.
+    let points = &out.json["meshes"][0]["primitives"][2]["attributes"]["POSITION"];
+    assert_eq!(out.elements(points).len(), 16);
+    // Every face carries its own number in all of its corners.
+    let mut face = 0;
+    for (mesh, primitive) in [(0, 0), (0, 1), (1, 0)] {
+        let primitive = &out.json["meshes"][mesh]["primitives"][primitive];
+        let numbers = out.elements(&primitive["attributes"]["_FACE_ID"]);
+        for corners in out.corners(primitive, numbers.len()).chunks_exact(3) {
+            assert!(corners.iter().all(|&c| numbers[c] == (face as f32).to_le_bytes()), "face {face}");
+            face += 1;
+        }
+    }
+    assert_eq!(face, 9 + 9 + 6);
+}
+
+#[test]
+fn vertices_are_split_only_where_values_differ() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (json, bin) = odd_scene();
+    write_glb(&path("odd.glb"), &json, &bin);
+    let vertices = |extra: &[&str]| {
+        annotate(&path("odd.glb"), &path("out.glb"), extra);
+        let out = Document::read(&path("out.glb"));
+        out.elements(&out.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]).len()
+    };
+    assert_eq!(vertices(&[]), 3 * 18, "every face has a number of its own");
+    assert_eq!(vertices(&["--attributes", "none", "--color-by", "none"]), 16);
+    let by_class = vertices(&["--attributes", "class", "--color-by", "class"]);
+    assert!((16..40).contains(&by_class), "{by_class}");
+}
+
+#[test]
+fn a_foreign_attribute_stays_unless_it_is_to_go() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (mut json, bin) = odd_scene();
+    // One of another origin with the very name of ours: here the first coordinates.
+    json["accessors"]
+        .as_array_mut()
+        .expect("a list")
+        .push(json!({ "bufferView": 0, "componentType": 5126, "count": 16, "type": "SCALAR" }));
+    json["meshes"][1]["primitives"][0]["attributes"]["_COVERAGE"] = 7.into();
+    write_glb(&path("odd.glb"), &json, &bin);
+    let said = annotate(&path("odd.glb"), &path("out.glb"), &[]);
+    assert!(said.contains("meshes[1].primitives[0] has an attribute _COVERAGE of its own"), "{said}");
+    let values = |name: &str| {
+        let out = Document::read(&path(name));
+        let of = &out.json["meshes"][1]["primitives"][0]["attributes"]["_COVERAGE"];
+        out.elements(of).into_iter().take(16).flatten().collect::<Vec<u8>>()
+    };
+    assert_eq!(values("out.glb"), values("odd.glb"));
+    assert!(!annotate(&path("odd.glb"), &path("forced.glb"), &["--force"]).contains("of its own"));
+    assert_ne!(values("forced.glb"), values("odd.glb"));
+    // Attributes that do not fit their mesh are left out, and that is said.
+    json["accessors"][7]["count"] = 15.into();
+    write_glb(&path("odd.glb"), &json, &bin);
+    let run = run(&path("odd.glb"), &path("out.glb"), &[]);
+    assert_eq!(run.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&run.stderr).contains("_COVERAGE has 15 elements for 16 vertices"));
+}
