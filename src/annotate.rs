@@ -6,11 +6,13 @@ use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius}
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
+use crate::legend;
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
+use crate::stored::StoredValues;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -45,6 +47,10 @@ pub struct AnnotateOptions {
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
     pub unit: Option<Unit>,
+    /// Take the values that a glTF input carries from an earlier run instead of estimating.
+    pub reuse: bool,
+    /// A `.png` or `.svg` that gets a picture of the colour scales.
+    pub legend: Option<PathBuf>,
     /// A `.glb` that gets the boundary, feature and non-manifold edges as lines.
     pub edges: Option<PathBuf>,
     /// With `edges`: the silhouette as well, for this direction from the viewer to the mesh, in the
@@ -71,6 +77,8 @@ impl Default for AnnotateOptions {
             force: false,
             up: None,
             unit: None,
+            reuse: false,
+            legend: None,
             edges: None,
             view: None,
             reserved: Vec::new(),
@@ -93,8 +101,17 @@ impl AnnotateOptions {
             return Err(Error::Usage("the edges are written as .glb; give their file that extension".into()));
         }
         self.curvature.check()?;
+        if let Some(path) = &self.legend {
+            legend::check(path)?;
+            if self.shown().is_empty() {
+                return Err(Error::Usage("--color-by none has no legend; leave --legend out".into()));
+            }
+        }
         if self.variants.len() > 1 && self.carrier != ColorCarrier::Texture {
             return Err(Error::Usage("several variants need --color texture; vertices have one colour".into()));
+        }
+        if !self.variants.is_empty() && self.layout == Layout::Indexed {
+            return Err(Error::Usage("layout indexed carries no colours; leave --variants out".into()));
         }
         let shown = self.shown();
         if shown == [Quantity::Class] && self.colormap.is_some() {
@@ -121,6 +138,7 @@ impl AnnotateOptions {
     /// Bytes that colours take in each vertex.
     fn color_bytes(&self) -> u64 {
         match self.carrier {
+            _ if self.layout == Layout::Indexed => 0,
             ColorCarrier::Texture => 8 * self.shown().len() as u64,
             ColorCarrier::Vertex | ColorCarrier::VertexSrgb => 4,
             ColorCarrier::None => 0,
@@ -182,9 +200,14 @@ pub fn annotate(
     let start = Instant::now();
     let (mut soup, input_format) = io::read(input, progress)?;
     let space = options.space(input_format, format)?;
-    let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
+    let others: Vec<PathBuf> = options.edges.iter().chain(&options.legend).chain(&options.reserved).cloned().collect();
     destination.check(format, &others, input, &soup, options.shown().len())?;
-    io::check_size(format, soup.face_count(), &options.selection, options.color_bytes())?;
+    io::check_size(format, options.layout, soup.face_count(), &options.selection, options.color_bytes())?;
+    let stored = io::stored_values(&soup)?;
+    if options.reuse && stored.is_none() {
+        let what = "has no values of Osculate's to use again; leave --reuse out";
+        return Err(Error::Usage(format!("{}: {what}", input.display())));
+    }
     if let Some(scene) = soup.scene.as_mut() {
         if format.is_gltf() {
             if matches!(options.carrier, ColorCarrier::Vertex | ColorCarrier::VertexSrgb) {
@@ -199,6 +222,7 @@ pub fn annotate(
     }
     // Opened before any work, put in its place after the main output.
     let mut edges = options.edges.as_deref().map(Output::create).transpose()?;
+    let mut legend = options.legend.as_deref().map(Output::create).transpose()?;
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
 
@@ -206,7 +230,17 @@ pub fn annotate(
     drop(soup);
     let weld = start.elapsed();
 
-    let values = curvature::estimate(&mesh, &options.curvature, progress)?;
+    let mut provenance = options.provenance();
+    let values = match stored {
+        Some(stored) if options.reuse => {
+            keep_settings(&mut provenance, &stored);
+            stored.curvature(&mesh).map_err(|e| e.in_file(input))?
+        }
+        stored => {
+            notes.extend(stored.map(|_| Note::info("the input carries values of an earlier run; --reuse takes those")));
+            curvature::estimate(&mesh, &options.curvature, progress)?
+        }
+    };
     let estimate = start.elapsed();
 
     let colors = (options.shown().into_iter())
@@ -222,7 +256,7 @@ pub fn annotate(
         layout: options.layout,
         force: options.force,
         space,
-        provenance: options.provenance(),
+        provenance,
     };
     notes.extend(mesh.report().remarks().into_iter().map(Note::info));
     notes.extend(note_of_low_coverage(&values));
@@ -233,7 +267,11 @@ pub fn annotate(
         let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
         io::write_lines(&scene, out)?;
     }
+    if let Some(out) = &mut legend {
+        legend::write(&annotation, out)?;
+    }
     io::write(&annotation, format, destination, progress)?;
+    legend.map_or(Ok(()), Output::finish)?;
     edges.map_or(Ok(()), Output::finish)?;
     let write = start.elapsed();
 
@@ -250,6 +288,16 @@ pub fn annotate(
         curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
     })
+}
+
+/// Values that are used again were estimated with the settings of their own run.
+fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
+    let of_estimation =
+        ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
+    for name in of_estimation {
+        provenance[name] = stored.settings.get(name).cloned().unwrap_or_default();
+    }
+    provenance["reused"] = true.into();
 }
 
 /// Says so where borders and sharp edges leave many disks less than half.

@@ -130,6 +130,9 @@ pub enum Layout {
     /// Vertices of its own for every face, whose values are vertex attributes: right in every client.
     #[default]
     Faces,
+    /// Vertices that faces share, as the input has them; values in an extension of the primitive
+    /// (docs/file-format.md). Less than half as large, no colours, and for readers that know it.
+    Indexed,
 }
 
 /// A mesh with its curvature and everything a writer needs to know.

@@ -33,6 +33,7 @@ mod edge_lines;
 mod error;
 mod inspect;
 mod io;
+mod legend;
 mod lines;
 mod mesh;
 mod place;
@@ -41,6 +42,7 @@ mod quantity;
 mod section;
 mod soup;
 mod statistics;
+mod stored;
 pub mod synth;
 mod trace;
 mod triangulate;
@@ -59,7 +61,7 @@ pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
 pub use io::{
     Destination, InputFormat, LineScene, Output, OutputFormat, check_outputs, check_size, read, read_bytes, real_path,
-    remove_unfinished_outputs, write, write_lines, write_mesh, write_svg,
+    remove_unfinished_outputs, stored_values, write, write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{
@@ -72,4 +74,5 @@ pub use quantity::{Quantity, Selection};
 pub use section::{Crossing, Features, Plane, Stop};
 pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
+pub use stored::StoredValues;
 pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};

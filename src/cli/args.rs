@@ -1,13 +1,14 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
 use super::choices::{
-    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LogFormat, ReportFormat, ShapeArg, UnitArg, UpArg,
+    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LayoutArg, LogFormat, ReportFormat, ShapeArg, UnitArg,
+    UpArg,
 };
 use super::parse::{cells, pair, plane, quantity, radius, radius_factor, range, seeds, threads, vector};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, Layout, MeshOptions, Radius, Range, Selection, Space,
+    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, Selection, Space,
     TraceOptions,
 };
 use std::path::PathBuf;
@@ -93,6 +94,14 @@ pub(super) struct AnnotateArgs {
 
     #[command(flatten)]
     pub(super) look: LookArgs,
+
+    /// Take the values that a glTF input carries from an earlier run instead of estimating them
+    #[arg(long, help_heading = "Estimation")]
+    reuse: bool,
+
+    /// Also write a picture of the colour scales (.png or .svg)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) legend: Option<PathBuf>,
 
     /// Also write the boundary, feature and non-manifold edges as glTF lines (.glb)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -210,6 +219,12 @@ pub(super) struct LookArgs {
     #[arg(long, value_enum, value_name = "CARRIER", default_value_t = CarrierArg::Texture)]
     color: CarrierArg,
 
+    /// How glTF attaches values to faces: vertices of its own for every face with values as attributes
+    /// (right in every client), or vertices shared as in the input and values in an extension of the
+    /// primitive (under half the size, without colours, for readers that know it)
+    #[arg(long, value_enum, value_name = "LAYOUT", default_value_t = LayoutArg::Faces)]
+    layout: LayoutArg,
+
     /// Replace attributes of a glTF input that have one of the names above but come from elsewhere;
     /// without it they stay and Osculate's are left out
     #[arg(long)]
@@ -227,10 +242,12 @@ impl AnnotateArgs {
             range: self.look.range,
             carrier: self.look.color.into(),
             variants: self.look.variants.clone(),
-            layout: Layout::Faces,
+            layout: self.look.layout.into(),
             force: self.look.force,
             up: self.look.space.up.map(Into::into),
             unit: self.look.space.unit.map(Into::into),
+            reuse: self.reuse,
+            legend: self.legend.clone(),
             edges: self.edges.clone(),
             view: self.view,
             reserved: self.stats.iter().cloned().collect(),

@@ -8,7 +8,7 @@ mod obj;
 mod output;
 mod plain;
 mod ply;
-mod png;
+pub(crate) mod png;
 mod stl;
 mod svg;
 mod text;
@@ -19,11 +19,12 @@ pub use output::{Output, remove_unfinished_outputs};
 pub use plain::write_mesh;
 pub use svg::write_svg;
 
-use crate::annotation::{Annotation, ColorCarrier};
+use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::{Error, ParseError};
 use crate::progress::{Progress, Stage};
 use crate::quantity::Selection;
 use crate::soup::{Note, Original, Scene, Soup};
+use crate::stored::StoredValues;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -151,6 +152,14 @@ fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     }
 }
 
+/// The values of faces that a glTF file carries because Osculate wrote them; `None` where it does not.
+///
+/// # Errors
+/// [`Error::Parse`] where they are damaged.
+pub fn stored_values(soup: &Soup) -> Result<Option<StoredValues>, Error> {
+    soup.scene.as_ref().map_or(Ok(None), gltf::read_values)
+}
+
 /// A file format that annotated meshes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -194,9 +203,15 @@ impl OutputFormat {
 ///
 /// # Errors
 /// [`Error::TooLarge`] with the ways out.
-pub fn check_size(format: OutputFormat, faces: usize, selection: &Selection, color_bytes: u64) -> Result<(), Error> {
+pub fn check_size(
+    format: OutputFormat,
+    layout: Layout,
+    faces: usize,
+    selection: &Selection,
+    color_bytes: u64,
+) -> Result<(), Error> {
     if format == OutputFormat::Glb {
-        gltf::check_glb_length(gltf::faces_byte_length(faces, &selection.for_gltf(), color_bytes))?;
+        gltf::check_glb_length(gltf::expected_bytes(layout, faces, &selection.for_gltf(), color_bytes))?;
     }
     Ok(())
 }
@@ -262,7 +277,7 @@ fn expected_bytes(annotation: &Annotation<'_>, format: OutputFormat) -> u64 {
             ColorCarrier::Texture => 8 * annotation.colors.len() as u64,
             _ => 4,
         };
-        return gltf::faces_byte_length(faces, &annotation.gltf_quantities(), color_bytes);
+        return gltf::expected_bytes(annotation.layout, faces, &annotation.gltf_quantities(), color_bytes);
     }
     let columns: usize = annotation.selection.for_csv().iter().map(|q| q.columns().len()).sum();
     faces as u64 * if format == OutputFormat::Csv { 11 * columns as u64 } else { 27 + 4 * columns as u64 }

@@ -1,7 +1,7 @@
 //! PNG images in memory.
 
 /// An sRGB image of 8 bits a channel. `pixels` has three bytes for each, row by row from the top.
-pub(super) fn rgb(width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
+pub(crate) fn rgb(width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);

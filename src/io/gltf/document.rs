@@ -2,14 +2,15 @@
 
 use super::accessor::Accessors;
 use super::draft::{Draft, Piece};
+use super::indexed;
 use super::layout::{Stream, stored_bounds};
 use super::looks::{Axis, Looks, Slot, slots};
 use super::opened::Opened;
-use super::pool::{self, Pool};
+use super::pool::{self, Done, Pool, Sharing};
 use super::references::{Kind, Object};
-use super::strip::{MARK, Primary, VARIANTS};
+use super::strip::{FACE_VALUES, MARK, Primary, VARIANTS};
 use super::vertices::Owners;
-use crate::annotation::{Annotation, ColorCarrier};
+use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::Error;
 use crate::quantity::Quantity;
 use crate::soup::{Note, Transform};
@@ -17,7 +18,7 @@ use serde_json::{Value, json};
 use std::ops::Range;
 
 pub(super) const ARRAY_BUFFER: u32 = 34962;
-const FLOAT: u32 = 5126;
+pub(super) const FLOAT: u32 = 5126;
 const UNSIGNED_BYTE: u32 = 5121;
 
 /// A document with all that Osculate adds.
@@ -26,13 +27,15 @@ pub(super) struct Document<'a> {
     pub(super) looks: Looks<'a>,
 }
 
-/// A primitive that gets values.
+/// Primitives that share their vertices and get values.
 struct Target {
     mesh: usize,
     primitives: Vec<usize>,
     owners: Owners,
     /// Attributes of others, which ours do not replace.
     foreign: Vec<String>,
+    /// In layout `indexed`: faces of each primitive and their corners.
+    corners: Vec<(Range<u32>, Vec<[u32; 3]>)>,
 }
 
 /// Builds the document of an annotation. `images` gives the URI of an image in a file of its own, by its
@@ -63,7 +66,14 @@ pub(super) fn build<'a>(
     };
     let quantities = annotation.gltf_quantities();
     for target in &targets {
-        add_values(&mut draft, target, &quantities);
+        if annotation.layout == Layout::Indexed {
+            for (&p, (faces, corners)) in target.primitives.iter().zip(&target.corners) {
+                let extension = indexed::face_values(annotation, &mut draft, &quantities, faces.clone(), corners);
+                add_extension(&mut draft, target.mesh, p, FACE_VALUES, extension);
+            }
+        } else {
+            add_values(&mut draft, target, &quantities);
+        }
         add_look(annotation, &mut draft, &mut looks, target, primary.as_ref());
     }
     mark(annotation, &mut draft, &targets);
@@ -119,14 +129,19 @@ fn split<'a>(
     let numbered = quantities.contains(&Quantity::Face);
     let same = |a: crate::Face, b: crate::Face| same_values(annotation, &quantities, a, b);
     let same: Option<&dyn Fn(crate::Face, crate::Face) -> bool> = if numbered { None } else { Some(&same) };
-    let split = pool::split(draft, accessors, &opened.document.meshes, pools, same).map_err(|e| opened.error(e))?;
+    let sharing = match annotation.layout {
+        Layout::Faces => Sharing::Split(same),
+        Layout::Indexed => Sharing::Keep,
+    };
+    let split = pool::split(draft, accessors, &opened.document.meshes, pools, &sharing).map_err(|e| opened.error(e))?;
     Ok(split
         .into_iter()
-        .map(|(pool, vertices)| Target {
+        .map(|Done { pool, vertices, corners }| Target {
             mesh: pool.mesh,
             primitives: pool.primitives.iter().map(|p| p.primitive).collect(),
             owners: Owners::Vertices(vertices),
             foreign: pool.foreign,
+            corners: pool.primitives.iter().map(|p| p.faces.clone()).zip(corners).collect(),
         })
         .collect())
 }
@@ -152,14 +167,25 @@ fn plain<'a>(annotation: &Annotation<'_>) -> (Draft<'a>, Vec<Target>) {
     let mut targets = Vec::new();
     for (m, body) in annotation.mesh.bodies().iter().enumerate() {
         let faces = body.faces.clone();
-        let position = add_corners(annotation, &mut draft, faces.clone());
-        let mut mesh = json!({ "primitives": [{ "attributes": { "POSITION": position } }] });
+        let mut corners = Vec::new();
+        let primitive = match annotation.layout {
+            Layout::Faces => {
+                json!({ "attributes": { "POSITION": add_corners(annotation, &mut draft, faces.clone()) } })
+            }
+            Layout::Indexed => {
+                let (primitive, of_faces) = indexed::shared_vertices(annotation, &mut draft, faces.clone());
+                corners.push((faces.clone(), of_faces));
+                primitive
+            }
+        };
+        let mut mesh = json!({ "primitives": [primitive] });
         let name = if body.name.is_empty() { &annotation.name } else { &body.name };
         if !name.is_empty() {
             mesh["name"] = name.as_str().into();
         }
         draft.list("meshes").push(mesh);
-        targets.push(Target { mesh: m, primitives: vec![0], owners: Owners::Corners(faces), foreign: Vec::new() });
+        let (owners, foreign) = (Owners::Corners(faces), Vec::new());
+        targets.push(Target { mesh: m, primitives: vec![0], owners, foreign, corners });
     }
     let (nodes, roots) = nodes(annotation);
     draft.root.insert("nodes".into(), nodes);
@@ -280,7 +306,8 @@ fn add_look<'a>(
     primary: Option<&Primary>,
 ) {
     let is_primary = |p: usize| primary.is_none_or(|primary| primary.contains(&(target.mesh, p)));
-    let has_colors = !annotation.colors.is_empty();
+    // Vertices that several faces share have no colour of their own.
+    let has_colors = !annotation.colors.is_empty() && annotation.layout == Layout::Faces;
     if !has_colors || annotation.carrier != ColorCarrier::Texture {
         if has_colors && annotation.carrier != ColorCarrier::None {
             let stream = Stream::VertexColor { owners: target.owners.clone() };
@@ -334,6 +361,14 @@ fn primitive<'d>(draft: &'d mut Draft<'_>, mesh: usize, primitive: usize) -> Opt
 fn set_material(draft: &mut Draft<'_>, mesh: usize, p: usize, material: usize) {
     if let Some(primitive) = primitive(draft, mesh, p) {
         primitive.insert("material".into(), material.into());
+    }
+}
+
+fn add_extension(draft: &mut Draft<'_>, mesh: usize, p: usize, name: &str, extension: Value) {
+    draft.use_extension(name);
+    let extensions = primitive(draft, mesh, p).map(|p| p.entry("extensions").or_insert_with(|| json!({})));
+    if let Some(extensions) = extensions.and_then(Value::as_object_mut) {
+        extensions.insert(name.into(), extension);
     }
 }
 

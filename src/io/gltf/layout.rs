@@ -2,7 +2,7 @@
 
 use super::accessor::Raw;
 use super::vertices::{Owners, Vertices};
-use crate::annotation::{Annotation, ColorCarrier};
+use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::color::{NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
 use crate::error::Error;
 use crate::io::blocks::in_blocks;
@@ -72,9 +72,8 @@ impl Stream<'_> {
                 let remainder = annotation.translation_remainder();
                 let positions = &annotation.mesh.positions()[vertices.start as usize..vertices.end as usize];
                 in_blocks(positions.len(), out, progress, |block, bytes| {
-                    for p in &positions[block.start as usize..block.end as usize] {
-                        let finite = if p.is_finite() { *p } else { DVec3::ZERO };
-                        extend(bytes, stored_point(annotation, remainder, finite));
+                    for &p in &positions[block.start as usize..block.end as usize] {
+                        extend(bytes, stored_point(annotation, remainder, finite(p)));
                     }
                 })
             }
@@ -184,12 +183,32 @@ fn stored_point(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32
     (annotation.space.point(p) + remainder).to_array().map(clamp)
 }
 
+/// A vertex of faces that are left out for it still needs a place.
+fn finite(p: DVec3) -> DVec3 {
+    if p.is_finite() { p } else { DVec3::ZERO }
+}
+
+type Bounds = [[f32; 3]; 2];
+
+fn empty() -> Bounds {
+    [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]]
+}
+
+fn join([min, max]: Bounds, [low, high]: Bounds) -> Bounds {
+    [[0, 1, 2].map(|i| min[i].min(low[i])), [0, 1, 2].map(|i| max[i].max(high[i]))]
+}
+
+/// Least and greatest coordinates of welded vertices as they are stored.
+pub(super) fn stored_points_bounds(annotation: &Annotation<'_>, vertices: Range<u32>) -> Bounds {
+    let remainder = annotation.translation_remainder();
+    annotation.mesh.positions()[vertices.start as usize..vertices.end as usize]
+        .par_iter()
+        .map(|&p| [stored_point(annotation, remainder, finite(p)); 2])
+        .reduce(empty, join)
+}
+
 /// Least and greatest coordinates of the corners as they are stored.
-pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: Range<u32>) -> [[f32; 3]; 2] {
-    let empty = || [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-    let join = |[min, max]: [[f32; 3]; 2], [low, high]: [[f32; 3]; 2]| {
-        [[0, 1, 2].map(|i| min[i].min(low[i])), [0, 1, 2].map(|i| max[i].max(high[i]))]
-    };
+pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: Range<u32>) -> Bounds {
     let remainder = annotation.translation_remainder();
     faces
         .into_par_iter()
@@ -200,10 +219,15 @@ pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: Range<u32>) -> [
         .reduce(empty, join)
 }
 
-/// Bytes that a mesh of so many faces takes in a GLB, apart from the document.
-pub(in crate::io) fn faces_byte_length(faces: usize, quantities: &[Quantity], colors: u64) -> u64 {
-    let values: usize = quantities.iter().map(|q| q.columns().len()).sum();
-    3 * faces as u64 * (12 + 4 * values as u64 + colors)
+/// Bytes that a mesh of so many faces takes in a GLB at least, apart from the document.
+pub(in crate::io) fn expected_bytes(layout: Layout, faces: usize, quantities: &[Quantity], colors: u64) -> u64 {
+    let values: u64 = quantities.iter().map(|q| 4 * q.columns().len() as u64).sum();
+    let per_face = match layout {
+        Layout::Faces => 3 * (12 + values + colors),
+        // Six half-edges meet in a vertex, about, so that there are half as many vertices as faces.
+        Layout::Indexed => 6 + 6 + values,
+    };
+    faces as u64 * per_face
 }
 
 /// Refuses a GLB of more bytes than it can hold, with the ways out.

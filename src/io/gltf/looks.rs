@@ -73,7 +73,7 @@ impl<'l> Looks<'l> {
                 Some(_) => json!({ "attribute": "COLOR_0" }),
                 None => json!({}),
             };
-            draft.add(Kind::Material, material(name, mark, None))
+            draft.add(Kind::Material, material(name, &mark, None))
         })
     }
 
@@ -89,7 +89,7 @@ impl<'l> Looks<'l> {
             info["texCoord"] = set.into();
         }
         let token = colors.quantity.token();
-        let number = draft.add(Kind::Material, material(token, json!({ "quantity": token }), Some(info)));
+        let number = draft.add(Kind::Material, material(token, &json!({ "quantity": token }), Some(info)));
         self.materials.insert((scale, set, axis), number);
         number
     }
@@ -173,7 +173,7 @@ impl<'l> Looks<'l> {
 }
 
 /// White where nothing colours it, rough, seen from both sides, since scans are often open.
-fn material(name: &str, mark: Value, texture: Option<Value>) -> Value {
+fn material(name: &str, mark: &Value, texture: Option<Value>) -> Value {
     let mut material = json!({
         "name": name,
         "doubleSided": true,

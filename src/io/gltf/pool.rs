@@ -13,6 +13,8 @@ use crate::mesh::Face;
 use crate::quantity::Quantity;
 use crate::soup::{Note, PrimitiveFaces};
 use gltf_json as json;
+use json::mesh::Mode;
+use json::validation::Checked;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -101,19 +103,35 @@ pub(super) fn collect(
     Ok(pools)
 }
 
+/// What to do with vertices that several faces use.
+pub(super) enum Sharing<'s> {
+    /// Split them where faces differ; `None`: everywhere.
+    Split(Option<&'s dyn Fn(Face, Face) -> bool>),
+    /// Keep them, and see to it that the primitives are lists of triangles.
+    Keep,
+}
+
+/// A pool and what became of its vertices.
+pub(super) struct Done {
+    pub(super) pool: Pool,
+    pub(super) vertices: Arc<Vertices>,
+    /// The vertices of the faces of each primitive, where they were kept.
+    pub(super) corners: Vec<Vec<[u32; 3]>>,
+}
+
 /// Splits the vertices of every pool and replaces attributes and indices where that made copies.
 pub(super) fn split<'a>(
     draft: &mut Draft<'a>,
     accessors: &'a Accessors<'_>,
     meshes: &[json::Mesh],
     pools: Vec<Pool>,
-    same: Option<&dyn Fn(Face, Face) -> bool>,
-) -> Result<Vec<(Pool, Arc<Vertices>)>, ParseError> {
+    sharing: &Sharing<'_>,
+) -> Result<Vec<Done>, ParseError> {
     let mut done = Vec::with_capacity(pools.len());
     let mut changed: Vec<Change> = Vec::new();
     for pool in pools {
         let mut corners = Vec::with_capacity(pool.primitives.len());
-        let mut are_whole = true;
+        let mut fits = true;
         for place in &pool.primitives {
             let path = format!("meshes[{}].primitives[{}]", place.mesh, place.primitive);
             let primitive = meshes.get(place.mesh).and_then(|mesh| mesh.primitives.get(place.primitive));
@@ -122,22 +140,25 @@ pub(super) fn split<'a>(
             if triangles.len() != place.faces.len() {
                 return Err(ParseError::json(path, "has other faces than were read"));
             }
-            are_whole &= !has_wild_corners(accessors, primitive, &path, triangles.len())?;
+            fits &= !has_wild_corners(accessors, primitive, &path, triangles.len())?;
+            fits &= !matches!(sharing, Sharing::Keep) || primitive.mode == Checked::Valid(Mode::Triangles);
             corners.push((place.faces.start, triangles));
         }
         let most = corners.iter().map(|(_, c)| 3 * c.len() as u64).sum::<u64>() + u64::from(pool.given);
         if most >= u64::from(u32::MAX) {
-            let path = format!("meshes[{}]", pool.mesh);
-            return Err(ParseError::json(
-                path,
-                "split, its vertices would be more than can be numbered; use --layout indexed",
-            ));
+            let what = "split, its vertices would be more than can be numbered; use --layout indexed";
+            return Err(ParseError::json(format!("meshes[{}]", pool.mesh), what));
         }
-        let vertices = Arc::new(Vertices::split(pool.given, &mut corners, same));
-        if !vertices.is_unchanged() || !are_whole {
-            changed.push(Change { pool: done.len(), corners: corners.into_iter().map(|(_, c)| c).collect() });
+        let vertices = Arc::new(match sharing {
+            Sharing::Split(same) => Vertices::split(pool.given, &mut corners, *same),
+            Sharing::Keep => Vertices::split(pool.given, &mut [], None),
+        });
+        let corners: Vec<Vec<[u32; 3]>> = corners.into_iter().map(|(_, c)| c).collect();
+        let kept = if matches!(sharing, Sharing::Keep) { corners.clone() } else { Vec::new() };
+        if !vertices.is_unchanged() || !fits {
+            changed.push(Change { pool: done.len(), corners });
         }
-        done.push((pool, vertices));
+        done.push(Done { pool, vertices, corners: kept });
     }
     replace(draft, accessors, &done, changed)?;
     Ok(done)
@@ -150,7 +171,6 @@ fn has_wild_corners(
     path: &str,
     faces: usize,
 ) -> Result<bool, ParseError> {
-    use json::{mesh::Mode, validation::Checked};
     let (Some(indices), Checked::Valid(Mode::Triangles)) = (primitive.indices, primitive.mode) else {
         return Ok(false);
     };
@@ -167,7 +187,7 @@ struct Change {
 fn replace<'a>(
     draft: &mut Draft<'a>,
     accessors: &'a Accessors<'_>,
-    pools: &[(Pool, Arc<Vertices>)],
+    pools: &[Done],
     changed: Vec<Change>,
 ) -> Result<(), ParseError> {
     let mut references = counts(&mut draft.root, Kind::Accessor);
@@ -175,7 +195,7 @@ fn replace<'a>(
     let mut views = BTreeSet::new();
     let mut plans = Vec::with_capacity(changed.len());
     for change in &changed {
-        let (pool, vertices) = &pools[change.pool];
+        let Done { pool, vertices, .. } = &pools[change.pool];
         let mut attributes: BTreeMap<usize, usize> = BTreeMap::new();
         if !vertices.is_unchanged() {
             for place in &pool.primitives {
@@ -200,7 +220,7 @@ fn replace<'a>(
 
     let bytes = accessors.bytes_at_hand() as u64;
     for (change, (targets, indices)) in changed.into_iter().zip(plans) {
-        let (pool, vertices) = &pools[change.pool];
+        let Done { pool, vertices, .. } = &pools[change.pool];
         for (&old, &new) in &targets {
             let path = format!("accessors[{old}]");
             let array = accessors.any(json::Index::new(old as u32), &path)?;
