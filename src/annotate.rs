@@ -34,7 +34,8 @@ pub struct AnnotateOptions {
     pub variants: Vec<Quantity>,
     /// The colour map; `None` for the quantity's own.
     pub colormap: Option<Colormap>,
-    /// The values at the ends of the colour map.
+    /// The values at the ends of the colour map of the quantity shown first; other variants have
+    /// automatic ones.
     pub range: Range,
     /// How a glTF file carries colours.
     pub carrier: ColorCarrier,
@@ -117,7 +118,7 @@ impl AnnotateOptions {
         if shown == [Quantity::Class] && self.colormap.is_some() {
             return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
         }
-        shown.into_iter().try_for_each(|quantity| color::check(quantity, self.range))
+        (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
     /// The quantities that colours show, the first one first, each once.
@@ -133,6 +134,11 @@ impl AnnotateOptions {
             }
         }
         shown
+    }
+
+    /// The range of a colour scale: the one asked for is that of the first, whose unit it has.
+    fn range_of(&self, scale: usize) -> Range {
+        if scale == 0 { self.range } else { Range::Auto }
     }
 
     /// Bytes that colours take in each vertex.
@@ -243,8 +249,8 @@ pub fn annotate(
     };
     let estimate = start.elapsed();
 
-    let colors = (options.shown().into_iter())
-        .map(|quantity| ColorScale::new(quantity, options.colormap, options.range, &values))
+    let colors = (options.shown().into_iter().enumerate())
+        .map(|(i, quantity)| ColorScale::new(quantity, options.colormap, options.range_of(i), &values))
         .collect::<Result<Vec<_>, _>>()?;
     let annotation = Annotation {
         mesh: &mesh,

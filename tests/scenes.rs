@@ -342,7 +342,7 @@ fn annotating_twice_equals_annotating_once() {
         assert_same(&fixture(name), &path("bare.glb"), name);
     }
     // What came from STL has no other look behind ours: ours stays the one shown.
-    annotate(&fixture("suzanne.stl"), &path("once.glb"), &[]);
+    annotate(&fixture("suzanne.stl"), &path("once.glb"), &["--up", "y"]);
     annotate(&path("once.glb"), &path("twice.glb"), &[]);
     let (once, twice) = (Document::read(&path("once.glb")), Document::read(&path("twice.glb")));
     for key in ["accessors", "bufferViews", "materials", "textures", "images", "nodes"] {
@@ -538,4 +538,201 @@ fn a_foreign_attribute_stays_unless_it_is_to_go() {
     let run = run(&path("odd.glb"), &path("out.glb"), &[]);
     assert_eq!(run.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&run.stderr).contains("_COVERAGE has 15 elements for 16 vertices"));
+}
+
+/// The extension's values of a column, primitive after primitive.
+fn face_values(out: &Document, column: &str) -> Vec<f32> {
+    let primitives = out.json["meshes"].as_array().expect("meshes").iter().flat_map(|m| m["primitives"].as_array());
+    let values = primitives.flatten().map(|p| &p["extensions"]["OSCULATE_face_values"]["values"][column]["accessor"]);
+    let bytes = values.filter(|accessor| accessor.is_u64()).flat_map(|accessor| out.elements(accessor));
+    bytes.map(|b| f32::from_le_bytes(b[..].try_into().expect("4 bytes"))).collect()
+}
+
+#[test]
+fn layout_indexed_leaves_vertices_alone_and_has_a_value_for_every_triangle() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (json, bin) = odd_scene();
+    write_glb(&path("odd.glb"), &json, &bin);
+    for input in [fixture("character.glb"), fixture("scene.gltf"), fixture("suzanne.stl"), path("odd.glb")] {
+        annotate(&input, &path("out.glb"), &["--layout", "indexed", "--up", "y"]);
+        annotate(&input, &path("out.csv"), &["--up", "y"]);
+        let csv = fs::read_to_string(path("out.csv")).expect("a CSV");
+        let out = Document::read(&path("out.glb"));
+        for name in ["face", "class", "k_max", "k_min", "mean", "gauss", "dir_max_y", "coverage"] {
+            assert_eq!(face_values(&out, name), column(&csv, name), "{name}");
+        }
+        let required = out.json.get("extensionsRequired");
+        assert!(required.is_none_or(|list| !list.to_string().contains("OSCULATE")));
+        assert!(out.json["extensionsUsed"].to_string().contains("OSCULATE_face_values"));
+        if input.extension().is_some_and(|e| e == "stl") {
+            let primitive = &out.json["meshes"][0]["primitives"][0];
+            assert_eq!(out.elements(&primitive["attributes"]["POSITION"]).len(), 505);
+            let boundary = &primitive["extensions"]["OSCULATE_face_values"]["edges"]["boundary"]["accessor"];
+            assert_eq!(out.elements(boundary).len(), 2 * 42, "fixtures/README.md counts 42 boundary edges");
+            continue;
+        }
+        let given = Document::read(&input);
+        for (mesh, old) in
+            out.json["meshes"].as_array().expect("some").iter().zip(given.json["meshes"].as_array().expect("some"))
+        {
+            for (new, old) in
+                mesh["primitives"].as_array().expect("some").iter().zip(old["primitives"].as_array().expect("some"))
+            {
+                for (name, index) in old["attributes"].as_object().expect("attributes") {
+                    assert_eq!(out.elements(&new["attributes"][name]), given.elements(index), "{name}");
+                }
+            }
+        }
+        // Annotating in the other layout finds nothing of this one left.
+        annotate(&path("out.glb"), &path("faces.glb"), &[]);
+        assert!(!fs::read_to_string(path("faces.glb")).is_ok_and(|text| text.contains("OSCULATE_face_values")));
+        annotate(&path("out.glb"), &path("bare.glb"), &["--attributes", "none", "--color-by", "none"]);
+        assert_same(&input, &path("bare.glb"), "bare");
+    }
+}
+
+#[test]
+fn values_in_a_file_are_used_again_bit_by_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    annotate(&fixture("scene.glb"), &path("once.csv"), &[]);
+    for layout in ["faces", "indexed"] {
+        let extra = ["--layout", layout, "--attributes", "default,radius,dir_min", "--radius-factor", "3"];
+        annotate(&fixture("scene.glb"), &path("out.glb"), &extra);
+        annotate(&fixture("scene.glb"), &path("once.csv"), &extra[4..]);
+        let said = annotate(&path("out.glb"), &path("again.csv"), &[]);
+        assert!(said.contains("--reuse"), "offered: {said}");
+        let stats = path("stats.json");
+        annotate(&path("out.glb"), &path("again.csv"), &["--reuse", "--stats", stats.to_str().expect("text")]);
+        assert_eq!(
+            fs::read_to_string(path("once.csv")).expect("a CSV"),
+            fs::read_to_string(path("again.csv")).expect("a CSV")
+        );
+        let stats: Value = serde_json::from_slice(&fs::read(stats).expect("statistics")).expect("JSON");
+        assert_eq!(
+            (&stats["settings"]["radius_factor"], &stats["settings"]["reused"]),
+            (&"3:face".into(), &true.into())
+        );
+    }
+    let refused = run(&fixture("scene.glb"), &path("none.csv"), &["--reuse"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("no values of Osculate's"));
+    assert!(!path("none.csv").exists());
+}
+
+/// The colour that a material shows at a texture coordinate, from the bytes of its palette.
+fn shown(out: &Document, material: &Value, primitive: &Value, vertex: usize) -> [u8; 3] {
+    let info = &out.json["materials"][material.as_u64().expect("a number") as usize]["pbrMetallicRoughness"]["baseColorTexture"];
+    let texture = &out.json["textures"][info["index"].as_u64().expect("a number") as usize];
+    let image = &out.json["images"][texture["source"].as_u64().expect("a number") as usize];
+    let mut reader = png::Decoder::new(std::io::Cursor::new(out.image(image))).read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let frame = reader.next_frame(&mut pixels).expect("pixels");
+    let set = info["texCoord"].as_u64().unwrap_or(0);
+    let uv = &out.elements(&primitive["attributes"][format!("TEXCOORD_{set}")])[vertex];
+    let [u, v] = [0, 4].map(|at| f32::from_le_bytes(uv[at..at + 4].try_into().expect("4 bytes")));
+    let (x, y) = ((u * frame.width as f32) as usize, (v * frame.height as f32) as usize);
+    let at = 3 * (y * frame.width as usize + x);
+    [pixels[at], pixels[at + 1], pixels[at + 2]]
+}
+
+#[test]
+fn every_variant_shows_its_own_colours() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let quantities = ["mean", "gauss", "k_max", "shape_index", "class"];
+    annotate(&fixture("scene.glb"), &path("all.glb"), &["--variants", &quantities.join(",")]);
+    let all = Document::read(&path("all.glb"));
+    let names: Vec<&str> = all.json["extensions"]["KHR_materials_variants"]["variants"]
+        .as_array()
+        .expect("variants")
+        .iter()
+        .map(|v| v["name"].as_str().expect("a name"))
+        .collect();
+    assert_eq!(names, quantities);
+    assert_eq!(all.json["meshes"][0]["extras"]["osculate"]["legends"].as_array().map(Vec::len), Some(5));
+    for (v, quantity) in quantities.iter().enumerate() {
+        annotate(&fixture("scene.glb"), &path("one.glb"), &["--color-by", quantity]);
+        let one = Document::read(&path("one.glb"));
+        for (m, mesh) in one.json["meshes"].as_array().expect("meshes").iter().enumerate() {
+            for (p, single) in mesh["primitives"].as_array().expect("primitives").iter().enumerate() {
+                let mapping = |primitive: &Value, v: usize| {
+                    let list = primitive["extensions"]["KHR_materials_variants"]["mappings"]
+                        .as_array()
+                        .expect("mappings")
+                        .clone();
+                    list.into_iter().find(|mapping| mapping["variants"] == json!([v])).expect("a mapping")["material"]
+                        .clone()
+                };
+                let several = &all.json["meshes"][m]["primitives"][p];
+                assert_eq!(several["material"], single["material"], "the original look stays first");
+                for vertex in
+                    [0, 7, 20].into_iter().filter(|v| *v < all.elements(&several["attributes"]["POSITION"]).len())
+                {
+                    let a = shown(&all, &mapping(several, v), several, vertex);
+                    let b = shown(&one, &mapping(single, 0), single, vertex);
+                    assert_eq!(a, b, "{quantity} in mesh {m}");
+                }
+            }
+        }
+    }
+    // Three sets for five quantities: some viewers know only four.
+    let sets = all.json["meshes"][0]["primitives"][0]["attributes"]
+        .as_object()
+        .expect("some")
+        .keys()
+        .filter(|k| k.starts_with("TEXCOORD"))
+        .count();
+    assert_eq!(sets, 1 + 3);
+}
+
+#[test]
+fn legends_are_pictures_of_the_scale() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let (png, svg) = (path("legend.png"), path("legend.svg"));
+    let text = |path: &Path| path.to_str().expect("text").to_owned();
+    annotate(
+        &fixture("suzanne.stl"),
+        &path("out.glb"),
+        &["--variants", "k_max,class", "--range", "-2:2", "--legend", &text(&png)],
+    );
+    annotate(&fixture("suzanne.stl"), &path("out.ply"), &["--color-by", "gauss", "--legend", &text(&svg)]);
+    assert!(fs::read(&png).expect("a PNG").starts_with(b"\x89PNG"));
+    let svg = fs::read_to_string(&svg).expect("an SVG");
+    assert!(svg.contains("gauss [1/unit^2]") && svg.ends_with("</svg>\n"));
+    for (extra, why) in
+        [(["--legend", "x.bmp"], ".svg or .png"), (["--legend", "/no/such/folder/x.png"], "/no/such/folder")]
+    {
+        let refused = run(&fixture("suzanne.stl"), &path("not.glb"), &extra);
+        assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains(why));
+        assert!(!path("not.glb").exists());
+    }
+}
+
+#[test]
+fn what_cannot_be_done_is_said_before_any_work() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (input, extra, code, why) in [
+        ("scene.glb", &["--color", "vertex"][..], 2, "vertex colours"),
+        ("scene.glb", &["--unit", "mm"], 2, "--unit does not apply to glTF"),
+        ("suzanne.stl", &["--variants", "mean,sharpness"], 2, "sharpness"),
+        ("suzanne.stl", &["--variants", "mean,k_max", "--color", "vertex"], 2, "--color texture"),
+        ("suzanne.stl", &["--variants", "mean", "--layout", "indexed"], 2, "no colours"),
+        ("suzanne.stl", &["--range", "2:1"], 2, "empty or reversed"),
+        ("suzanne.stl", &["--range", "1:1"], 2, "empty or reversed"),
+        ("suzanne.stl", &["--attributes", "k_mux"], 2, "k_mux"),
+        ("suzanne.stl", &["--colormap", "rainbow"], 2, "rainbow"),
+    ] {
+        let refused = run(&fixture(input), &path("out.glb"), extra);
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(code), "{extra:?}: {said}");
+        assert!(said.contains(why), "{said}");
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0, "{extra:?}");
+    }
+    let refused = run(&fixture("scene.glb"), &path("no/out.glb"), &[]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("the folder does not exist"));
 }

@@ -210,7 +210,7 @@ pub(super) struct LookArgs {
     colormap: Option<String>,
 
     /// Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th
-    /// percentile of the magnitudes
+    /// percentile of the magnitudes. Of several variants it is the first's
     #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true)]
     range: Range,
 
