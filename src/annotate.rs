@@ -13,6 +13,7 @@ use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
 use crate::stored::StoredValues;
+use crate::vertex_values::VertexValues;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -50,6 +51,8 @@ pub struct AnnotateOptions {
     pub unit: Option<Unit>,
     /// Take the values that a glTF input carries from an earlier run instead of estimating.
     pub reuse: bool,
+    /// Also write the area-weighted mean of the faces around every vertex.
+    pub vertex_values: bool,
     /// A `.png` or `.svg` that gets a picture of the colour scales.
     pub legend: Option<PathBuf>,
     /// A `.glb` that gets the boundary, feature and non-manifold edges as lines.
@@ -79,6 +82,7 @@ impl Default for AnnotateOptions {
             up: None,
             unit: None,
             reuse: false,
+            vertex_values: false,
             legend: None,
             edges: None,
             view: None,
@@ -256,6 +260,10 @@ pub fn annotate(
         mesh: &mesh,
         values: &values,
         name: input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        vertex_values: options.vertex_values.then(|| {
+            let written = if format.is_gltf() { options.selection.for_gltf() } else { options.selection.for_csv() };
+            VertexValues::of(&mesh, &values, &[written, options.shown()].concat())
+        }),
         selection: options.selection.clone(),
         colors,
         carrier: options.carrier,

@@ -7,6 +7,7 @@ use crate::io::{InputFormat, OutputFormat};
 use crate::mesh::Mesh;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
+use crate::vertex_values::VertexValues;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
@@ -144,6 +145,8 @@ pub struct Annotation<'m> {
     pub values: &'m [FaceCurvature],
     /// The object's name in the output.
     pub name: String,
+    /// Values of vertices, where they are to be written too.
+    pub vertex_values: Option<VertexValues>,
     /// Quantities asked for.
     pub selection: Selection,
     /// Colour scales: the first is the one shown, all are variants in a glTF file. May be empty.
@@ -182,6 +185,12 @@ impl Annotation<'_> {
                 self.values.len()
             ))
         })
+    }
+
+    /// The values of vertices, column by column; none where they are not asked for.
+    pub(crate) fn vertex_columns(&self) -> impl Iterator<Item = (Quantity, &[f32])> {
+        let values = self.vertex_values.as_ref();
+        values.into_iter().flat_map(|values| values.quantities().filter_map(|q| Some((q, values.get(q)?))))
     }
 
     /// The translation of a glTF output's node: the mesh's origin in the output's axes and units, in

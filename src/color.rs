@@ -28,8 +28,6 @@ pub struct Colormap {
 enum Spacing {
     /// Two arms that meet in the middle, each of even steps.
     Diverging,
-    /// Even steps from end to end.
-    Even,
     /// As its makers spaced it.
     Given,
 }
@@ -48,7 +46,7 @@ const GRADIENTS: [Entry; 11] = [
     ("inferno", colorous::INFERNO, false, Spacing::Given),
     ("plasma", colorous::PLASMA, false, Spacing::Given),
     ("turbo", colorous::TURBO, false, Spacing::Given),
-    ("greys", colorous::GREYS, true, Spacing::Even),
+    ("greys", colorous::GREYS, true, Spacing::Given),
 ];
 
 /// Colours of the classes flat to hyperbolic, told apart by the colour-blind too
@@ -99,7 +97,6 @@ impl Colormap {
                 };
                 let spaced: Box<dyn Fn(f64) -> f64> = match spacing {
                     Spacing::Given => Box::new(|at| at),
-                    Spacing::Even => even_steps(&color, 0.0, 1.0),
                     Spacing::Diverging => {
                         let (low, high) = (even_steps(&color, 0.0, 0.5), even_steps(&color, 0.5, 1.0));
                         Box::new(move |at| if at < 0.5 { low(2.0 * at) } else { high(2.0 * at - 1.0) })
@@ -314,21 +311,17 @@ mod tests {
         };
         for (name, _, _, spacing) in GRADIENTS {
             let palette = Colormap::named(name).expect("known").palette();
-            let arms = match spacing {
-                Spacing::Diverging => vec![0..=127, 127..=254],
-                Spacing::Even => vec![0..=254],
-                Spacing::Given => continue,
-            };
-            for arm in arms {
+            if spacing == Spacing::Given {
+                continue;
+            }
+            for arm in [0..=127, 127..=254] {
                 let colors: Vec<Rgb> = arm.step_by(12).map(|i| palette[i]).collect();
                 let steps: Vec<f64> = colors.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
                 let (least, most) = steps.iter().fold((f64::MAX, 0.0_f64), |(l, m), &s| (l.min(s), m.max(s)));
                 assert!(most < 1.35 * least, "{name}: {least} to {most}");
             }
-            if spacing == Spacing::Diverging {
-                let lightness = |i: usize| oklab(palette[i])[0];
-                assert!((1..255).all(|i| lightness(i) <= lightness(127) + 1e-9), "{name} is lightest in the middle");
-            }
+            let lightness = |i: usize| oklab(palette[i])[0];
+            assert!((0..255).all(|i| lightness(i) <= lightness(127) + 1e-9), "{name} is lightest in the middle");
         }
         let classes: Vec<[f64; 3]> = CLASSES.iter().map(|&color| oklab(color)).collect();
         for (i, a) in CLASSES.iter().enumerate() {

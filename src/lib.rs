@@ -47,6 +47,7 @@ pub mod synth;
 mod trace;
 mod triangulate;
 mod unfolding;
+mod vertex_values;
 
 pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
@@ -76,3 +77,4 @@ pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
 pub use stored::StoredValues;
 pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};
+pub use vertex_values::VertexValues;

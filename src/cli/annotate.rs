@@ -13,7 +13,7 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let to_stdout = args.output == Path::new("-");
     let format = match args.format {
         Some(format) => format.into(),
-        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply or csv".into())),
+        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into())),
         None => OutputFormat::of(&args.output)?,
     };
     let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };

@@ -38,7 +38,7 @@ pub(super) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply or .csv
+    /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply, .csv or .npz
     Annotate(Box<AnnotateArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
@@ -78,7 +78,7 @@ pub(super) struct AnnotateArgs {
     /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
     pub(super) input: PathBuf,
 
-    /// File to write; its extension chooses the format: .glb, .gltf, .ply or .csv. - for standard output
+    /// File to write; its extension chooses the format: .glb, .gltf, .ply, .csv or .npz. - for standard output
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 
@@ -225,6 +225,11 @@ pub(super) struct LookArgs {
     #[arg(long, value_enum, value_name = "LAYOUT", default_value_t = LayoutArg::Faces)]
     layout: LayoutArg,
 
+    /// Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX;
+    /// PLY: vertex quality and properties; NPZ: arrays vertex_...
+    #[arg(long)]
+    vertex_values: bool,
+
     /// Replace attributes of a glTF input that have one of the names above but come from elsewhere;
     /// without it they stay and Osculate's are left out
     #[arg(long)]
@@ -247,6 +252,7 @@ impl AnnotateArgs {
             up: self.look.space.up.map(Into::into),
             unit: self.look.space.unit.map(Into::into),
             reuse: self.reuse,
+            vertex_values: self.look.vertex_values,
             legend: self.legend.clone(),
             edges: self.edges.clone(),
             view: self.view,

@@ -50,6 +50,7 @@ choices!(FormatArg => OutputFormat {
     Gltf => OutputFormat::Gltf,
     Ply => OutputFormat::Ply,
     Csv => OutputFormat::Csv,
+    Npz => OutputFormat::Npz,
 });
 
 choices!(UpArg => UpAxis {

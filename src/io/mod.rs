@@ -4,6 +4,7 @@ mod blocks;
 mod csv;
 mod destination;
 mod gltf;
+mod npz;
 mod obj;
 mod output;
 mod plain;
@@ -172,6 +173,8 @@ pub enum OutputFormat {
     Ply,
     /// One row of numbers per face.
     Csv,
+    /// NumPy arrays.
+    Npz,
 }
 
 impl OutputFormat {
@@ -186,8 +189,9 @@ impl OutputFormat {
             Some("gltf") => Ok(OutputFormat::Gltf),
             Some("ply") => Ok(OutputFormat::Ply),
             Some("csv") => Ok(OutputFormat::Csv),
+            Some("npz") => Ok(OutputFormat::Npz),
             _ => Err(Error::Usage(format!(
-                "{}: the extension must be .glb, .gltf, .ply or .csv, or the format be given with --format",
+                "{}: the extension must be .glb, .gltf, .ply, .csv or .npz, or the format be given with --format",
                 path.display()
             ))),
         }
@@ -265,6 +269,7 @@ fn write_to(
         OutputFormat::Gltf => gltf::write_embedded(annotation, &mut out, progress)?,
         OutputFormat::Ply => ply::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
         OutputFormat::Csv => csv::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
+        OutputFormat::Npz => npz::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
     }
     out.finish()
 }

@@ -211,9 +211,9 @@ impl Noisy<'_> {
         };
         let draw = |f: u32| {
             let corners = mesh.triangle(Face(f));
-            let sum = corners.iter().fold(0_u64, |sum, p| {
-                sum.wrapping_add(p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits())))
-            });
+            let sum = corners
+                .iter()
+                .fold(0_u64, |sum, p| sum.wrapping_add(p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits()))));
             (mix(sum), f)
         };
         let takes_part = |f: u32| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound;
@@ -263,12 +263,19 @@ impl Noisy<'_> {
         worker.order[count - 1].0.sqrt()
     }
 
-    fn fit(&self, seed: Face, level: usize, worker: &mut Worker, known: Option<super::implicit::Frame>) -> Option<ChordFit> {
+    fn fit(
+        &self,
+        seed: Face,
+        level: usize,
+        worker: &mut Worker,
+        known: Option<super::implicit::Frame>,
+    ) -> Option<ChordFit> {
         let radius = self.gather(seed, LEVELS[level], worker);
         let (frame, rounds) = match known {
             Some(frame) => (super::implicit::Frame { unit: radius, ..frame }, 1),
             None => {
-                let normal: glam::Vec3 = worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
+                let normal: glam::Vec3 =
+                    worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
                 let frame = frame_for(self.mesh.barycentre(seed), normal.as_dvec3(), worker.samples.iter().copied())?;
                 (super::implicit::Frame { unit: radius, ..frame }, 2)
             }
@@ -310,7 +317,10 @@ impl Noisy<'_> {
             least = least.min(deviation);
             if level < 2 {
                 let reach = fit.frame.unit.powi(2) * if level == 0 { 4.0 } else { 2.0 };
-                let mut near: Vec<(f64, u32)> = worker.window.faces.iter()
+                let mut near: Vec<(f64, u32)> = worker
+                    .window
+                    .faces
+                    .iter()
                     .filter(|&&f| seed_of[f as usize] != u32::MAX)
                     .map(|&f| (self.mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
                     .filter(|n| n.0 <= reach)
@@ -350,7 +360,8 @@ impl Noisy<'_> {
         let mut best = (f64::INFINITY, usize::MAX);
         for j in (0..CANDIDATES).filter(|&j| variance[j].is_finite()) {
             let mut bias = 0.0_f64;
-            for i in (0..CANDIDATES).filter(|&i| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j]) {
+            for i in (0..CANDIDATES).filter(|&i| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j])
+            {
                 let between = mean(&|p| distance_squared(&p.tensors[i], &p.tensors[j]));
                 bias = bias.max(between - (variance[i] - variance[j]));
             }
@@ -366,7 +377,11 @@ impl Noisy<'_> {
         let (level, degree) = (at / DEGREES.len(), DEGREES[at % DEGREES.len()]);
         worker.window.start(self.mesh, probe.seed);
         let fit = self.fit(probe.seed, level, worker, None)?;
-        Some(Patch { surface: fit.surface(degree.min(fit.highest())), error: risk.sqrt(), noise: fit.deviation_squared(degree.min(fit.highest())).sqrt() })
+        Some(Patch {
+            surface: fit.surface(degree.min(fit.highest())),
+            error: risk.sqrt(),
+            noise: fit.deviation_squared(degree.min(fit.highest())).sqrt(),
+        })
     }
 
     fn blend(&self, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Vec<Option<Blended>> {

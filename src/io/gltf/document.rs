@@ -9,13 +9,14 @@ use super::opened::Opened;
 use super::pool::{self, Done, Pool, Sharing};
 use super::references::{Kind, Object};
 use super::strip::{FACE_VALUES, MARK, Primary, VARIANTS};
-use super::vertices::Owners;
+use super::vertices::{Owners, Vertices};
 use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::Error;
 use crate::quantity::Quantity;
 use crate::soup::{Note, Transform};
 use serde_json::{Value, json};
 use std::ops::Range;
+use std::sync::Arc;
 
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 pub(super) const FLOAT: u32 = 5126;
@@ -73,6 +74,12 @@ pub(super) fn build<'a>(
             }
         } else {
             add_values(&mut draft, target, &quantities);
+        }
+        let of_vertices = annotation.vertex_columns().map(|(quantity, _)| quantity);
+        for quantity in of_vertices.filter(|&quantity| !target.foreign.contains(&vertex_attribute(quantity))) {
+            let stream = Stream::VertexValue { owners: target.owners.clone(), quantity };
+            let accessor = add_attribute(&mut draft, stream, target.owners.len(), FLOAT, "SCALAR");
+            set_attribute(&mut draft, target, &vertex_attribute(quantity), accessor);
         }
         add_look(annotation, &mut draft, &mut looks, target, primary.as_ref());
     }
@@ -168,12 +175,15 @@ fn plain<'a>(annotation: &Annotation<'_>) -> (Draft<'a>, Vec<Target>) {
     for (m, body) in annotation.mesh.bodies().iter().enumerate() {
         let faces = body.faces.clone();
         let mut corners = Vec::new();
+        let mut owners = Owners::Corners(faces.clone());
         let primitive = match annotation.layout {
             Layout::Faces => {
                 json!({ "attributes": { "POSITION": add_corners(annotation, &mut draft, faces.clone()) } })
             }
             Layout::Indexed => {
                 let (primitive, of_faces) = indexed::shared_vertices(annotation, &mut draft, faces.clone());
+                let count = of_faces.as_flattened().iter().max().map_or(0, |last| last + 1);
+                owners = Owners::Vertices(Arc::new(Vertices::kept(count, [(faces.start, of_faces.as_slice())])));
                 corners.push((faces.clone(), of_faces));
                 primitive
             }
@@ -184,8 +194,7 @@ fn plain<'a>(annotation: &Annotation<'_>) -> (Draft<'a>, Vec<Target>) {
             mesh["name"] = name.as_str().into();
         }
         draft.list("meshes").push(mesh);
-        let (owners, foreign) = (Owners::Corners(faces), Vec::new());
-        targets.push(Target { mesh: m, primitives: vec![0], owners, foreign, corners });
+        targets.push(Target { mesh: m, primitives: vec![0], owners, foreign: Vec::new(), corners });
     }
     let (nodes, roots) = nodes(annotation);
     draft.root.insert("nodes".into(), nodes);
@@ -286,6 +295,11 @@ fn add_values<'a>(draft: &mut Draft<'a>, target: &Target, quantities: &[Quantity
             set_attribute(draft, target, name, accessor);
         }
     }
+}
+
+/// The attribute with the values of vertices.
+pub(super) fn vertex_attribute(quantity: Quantity) -> String {
+    format!("{}_VERTEX", quantity.attributes()[0])
 }
 
 fn add_attribute<'a>(draft: &mut Draft<'a>, stream: Stream<'a>, count: usize, component: u32, shape: &str) -> usize {

@@ -67,7 +67,7 @@ impl<'a> Draft<'a> {
 
     /// The members of a list, made if it is not there.
     pub(super) fn list(&mut self, name: &str) -> &mut Vec<Value> {
-        let list = self.root.entry(name).or_insert_with(|| json!([]));
+        let list = self.root.entry(name).or_insert(Value::Null);
         if !list.is_array() {
             *list = json!([]);
         }
@@ -105,41 +105,28 @@ impl<'a> Draft<'a> {
         views
     }
 
-    /// Makes a number free. Views that only the member used become free too.
-    pub(super) fn free(&mut self, kind: Kind, number: usize) {
-        let Some(member) = self.list(kind.list()).get_mut(number) else { return };
-        let member = member.take();
-        self.free.entry(kind).or_default().insert(number);
-        match kind {
-            Kind::View => self.drop_bytes(&member),
-            Kind::Accessor | Kind::Image => self.free_unused(Kind::View, &views_of(&member)),
-            _ => {}
+    /// Makes numbers free. Views that only these members used become free too.
+    pub(super) fn free(&mut self, kind: Kind, numbers: impl IntoIterator<Item = usize>) {
+        let mut views = BTreeSet::new();
+        for number in numbers {
+            let Some(member) = self.list(kind.list()).get_mut(number).map(Value::take) else { continue };
+            self.free.entry(kind).or_default().insert(number);
+            match kind {
+                Kind::View => self.dropped.extend(ranges_of(&member)),
+                Kind::Accessor | Kind::Image => views.extend(views_of(&member)),
+                _ => {}
+            }
         }
+        // All at once: counting the references of each for itself would take quadratic time.
+        self.free_unused(Kind::View, &views);
     }
 
     /// Makes those of the numbers free that nothing refers to.
     pub(super) fn free_unused(&mut self, kind: Kind, numbers: &BTreeSet<usize>) {
-        if numbers.is_empty() {
-            return;
+        if !numbers.is_empty() {
+            let counts = counts(&mut self.root, kind);
+            self.free(kind, numbers.iter().copied().filter(|&n| counts.get(n) == Some(&0)));
         }
-        let counts = counts(&mut self.root, kind);
-        let unused: Vec<usize> = numbers.iter().copied().filter(|&n| counts.get(n) == Some(&0)).collect();
-        if kind != Kind::Accessor {
-            unused.into_iter().for_each(|n| self.free(kind, n));
-            return;
-        }
-        // All at once: counting the references of each for itself would take quadratic time.
-        let mut views = BTreeSet::new();
-        for n in unused {
-            views.extend(views_of(&self.list(kind.list())[n].take()));
-            self.free.entry(kind).or_default().insert(n);
-        }
-        self.free_unused(Kind::View, &views);
-    }
-
-    /// The bytes of a view, and those that it is decompressed from, are no longer needed by it.
-    fn drop_bytes(&mut self, view: &Value) {
-        self.dropped.extend(ranges_of(view));
     }
 
     /// Puts new content behind an accessor whose number stays.
@@ -231,7 +218,8 @@ impl<'a> Draft<'a> {
         }
 
         let real = lengths.len();
-        let number_of = |b: usize| placeholders.iter().position(|(old, _)| *old == b).map(|at| real + at);
+        let renumbered: BTreeMap<usize, usize> = placeholders.iter().map(|(old, _)| *old).zip(real..).collect();
+        let number_of = |b: usize| renumbered.get(&b).copied();
         let find = |b: usize, start: u64| {
             let at = moved.partition_point(|(buffer, range, _)| (*buffer, range.start) <= (b, start));
             let (buffer, range, piece) = moved.get(at.checked_sub(1)?)?;

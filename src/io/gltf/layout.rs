@@ -6,7 +6,7 @@ use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::color::{NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
 use crate::error::Error;
 use crate::io::blocks::in_blocks;
-use crate::mesh::Face;
+use crate::mesh::{Face, HalfEdge};
 use crate::progress::Progress;
 use crate::quantity::Quantity;
 use glam::DVec3;
@@ -30,6 +30,8 @@ pub(super) enum Stream<'a> {
     Indices { corners: Vec<[u32; 3]>, wide: bool },
     /// A quantity.
     Value { owners: Owners, quantity: Quantity, component: usize },
+    /// The value of the welded vertex at which each vertex is.
+    VertexValue { owners: Owners, quantity: Quantity },
     /// Where in the palettes a face's colours are: of the colour scale `u` along the first axis, of `v`
     /// along the second.
     PaletteCoordinate { owners: Owners, u: usize, v: Option<usize> },
@@ -46,7 +48,9 @@ impl Stream<'_> {
             Stream::Copied { stride, vertices, .. } => *stride as u64 * vertices.len() as u64,
             Stream::Indices { corners, wide } => 3 * corners.len() as u64 * if *wide { 4 } else { 2 },
             Stream::PaletteCoordinate { owners, .. } => 8 * owners.len() as u64,
-            Stream::Value { owners, .. } | Stream::VertexColor { owners } => 4 * owners.len() as u64,
+            Stream::Value { owners, .. } | Stream::VertexValue { owners, .. } | Stream::VertexColor { owners } => {
+                4 * owners.len() as u64
+            }
         }
     }
 
@@ -96,6 +100,20 @@ impl Stream<'_> {
                 let stored = stored_value(annotation, *quantity, *component);
                 per_element(owners, out, progress, |face| stored(face).to_le_bytes())
             }
+            Stream::VertexValue { owners, quantity } => {
+                let values = annotation.vertex_values.as_ref().and_then(|values| values.get(*quantity));
+                let factor = annotation.space.factor(quantity.dimension());
+                let at = |corner: Option<HalfEdge>| {
+                    let vertex = corner.map(|corner| annotation.mesh.topology().origin(corner));
+                    let value = vertex.and_then(|vertex| values.map(|values| values[vertex.index()]));
+                    finite_value(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
+                };
+                in_blocks(owners.len(), out, progress, |block, bytes| {
+                    for v in block {
+                        bytes.extend_from_slice(&at(owners.corner(v)));
+                    }
+                })
+            }
             Stream::PaletteCoordinate { owners, u, v } => {
                 // The middle of a texel: right for any filter and however a client rounds.
                 let along = |scale: usize, face: Option<Face>| match (annotation.colors.get(scale), face) {
@@ -139,6 +157,11 @@ pub(super) fn stored_value<'v>(
             None => quantity.stored(face, value, component, factor),
         }
     }
+}
+
+/// A value as binary files carry it.
+fn finite_value(value: f64) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 
 fn texel(index: usize) -> f32 {

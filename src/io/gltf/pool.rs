@@ -6,11 +6,10 @@ use super::draft::{Draft, Piece};
 use super::geometry::{DRACO, corners_of};
 use super::layout::Stream;
 use super::references::{Kind, Object, counts, each_primitive, index};
-use super::strip::take_extension;
+use super::strip::{our_attributes, take_extension};
 use super::vertices::Vertices;
 use crate::error::ParseError;
 use crate::mesh::Face;
-use crate::quantity::Quantity;
 use crate::soup::{Note, PrimitiveFaces};
 use gltf_json as json;
 use json::mesh::Mode;
@@ -71,7 +70,7 @@ pub(super) fn collect(
                 let number = index(accessor).and_then(|a| u32::try_from(a).ok());
                 let number = number.ok_or_else(|| ParseError::json(&from, "must be the number of an accessor"))?;
                 let count = accessors.any(json::Index::new(number), &from)?.len();
-                let is_foreign = at == "attributes" && Quantity::ALL.iter().any(|q| q.attributes().contains(&&**name));
+                let is_foreign = at == "attributes" && our_attributes().any(|ours| ours == *name);
                 if count != given {
                     let what = format!("{from} has {count} elements for {given} vertices and was left out");
                     notes.push(Note::repaired(what));
@@ -151,7 +150,7 @@ pub(super) fn split<'a>(
         }
         let vertices = Arc::new(match sharing {
             Sharing::Split(same) => Vertices::split(pool.given, &mut corners, *same),
-            Sharing::Keep => Vertices::split(pool.given, &mut [], None),
+            Sharing::Keep => Vertices::kept(pool.given, corners.iter().map(|(first, c)| (*first, c.as_slice()))),
         });
         let corners: Vec<Vec<[u32; 3]>> = corners.into_iter().map(|(_, c)| c).collect();
         let kept = if matches!(sharing, Sharing::Keep) { corners.clone() } else { Vec::new() };

@@ -3,6 +3,7 @@
 //! What Osculate adds is marked by an entry `osculate` in its `extras`, which other programs keep when
 //! they renumber a document. Attributes cannot be marked: they are ours by name where the mesh is.
 
+use super::document::vertex_attribute;
 use super::draft::Draft;
 use super::references::{Kind, Object, index};
 use crate::quantity::Quantity;
@@ -35,22 +36,22 @@ pub(super) fn strip(draft: &mut Draft<'_>) -> Primary {
             let is_ours = is_ours || is_marked(primitive);
             unmark(primitive);
             let Some(primitive) = primitive.as_object_mut() else { continue };
-            let mut names: Vec<&str> = Vec::new();
+            let mut names: Vec<String> = Vec::new();
             if is_ours {
-                names.extend(Quantity::ALL.iter().flat_map(|quantity| quantity.attributes()));
+                names.extend(our_attributes());
                 if let Some(extension) = take_extension(primitive, FACE_VALUES) {
                     accessors_in(&extension, &mut accessors);
                 }
             }
             let materials = materials_of(primitive);
-            names.extend(materials.iter().filter_map(|m| looks.get(m)?.as_deref()));
+            names.extend(materials.iter().filter_map(|m| looks.get(m)?.clone()));
             if primitive.get("material").and_then(index).is_some_and(|m| looks.contains_key(&m)) {
                 primitive.remove("material");
                 primary.insert((m, p));
             }
             strip_mappings(primitive, &looks, &variants);
             if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
-                accessors.extend(names.iter().filter_map(|&name| index(&attributes.remove(name)?)));
+                accessors.extend(names.iter().filter_map(|name| index(&attributes.remove(name)?)));
             }
         }
         unmark(mesh);
@@ -59,10 +60,16 @@ pub(super) fn strip(draft: &mut Draft<'_>) -> Primary {
     for kind in [Kind::Material, Kind::Texture, Kind::Image, Kind::Sampler] {
         let ours: Vec<usize> =
             members(&mut draft.root, kind.list()).enumerate().filter(|(_, v)| is_marked(v)).map(|(i, _)| i).collect();
-        ours.into_iter().for_each(|i| draft.free(kind, i));
+        draft.free(kind, ours);
     }
     draft.free_unused(Kind::Accessor, &accessors);
     primary
+}
+
+/// The names of all attributes that Osculate writes.
+pub(super) fn our_attributes() -> impl Iterator<Item = String> {
+    let of_faces = Quantity::ALL.into_iter().flat_map(|q| q.attributes()).map(|&name| name.to_owned());
+    of_faces.chain(Quantity::ALL.into_iter().map(vertex_attribute))
 }
 
 /// True for an object that Osculate added or annotated.

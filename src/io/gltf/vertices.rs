@@ -1,6 +1,6 @@
 //! Vertices of primitives, split only where faces with different values meet.
 
-use crate::mesh::Face;
+use crate::mesh::{Face, HalfEdge};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub(super) struct Vertices {
     given: u32,
     /// The given vertex that each copy repeats.
     copies: Vec<u32>,
-    /// The face whose value each vertex carries.
+    /// The half-edge whose face's value each vertex carries, and at whose origin it is.
     owners: Vec<u32>,
 }
 
@@ -42,17 +42,20 @@ impl Vertices {
         }
         for (first, corners) in primitives {
             for (face, triangle) in (*first..).zip(corners) {
-                for corner in triangle {
+                for (i, corner) in triangle.iter_mut().enumerate() {
                     let vertex = *corner as usize;
-                    if owners[vertex] == NONE || owners[vertex] == face {
-                        owners[vertex] = face;
+                    let half_edge = 3 * face + i as u32;
+                    if owners[vertex] == NONE {
+                        owners[vertex] = half_edge;
+                    }
+                    if owners[vertex] / 3 == face {
                         continue;
                     }
                     if let Some(same) = same {
                         let mut candidate = newest[vertex];
                         let mut found = None;
                         for _ in 0..COMPARED {
-                            if same(Face(owners[candidate as usize]), Face(face)) {
+                            if same(Face(owners[candidate as usize] / 3), Face(face)) {
                                 found = Some(candidate);
                                 break;
                             }
@@ -70,13 +73,26 @@ impl Vertices {
                     if same.is_some() {
                         before.push(std::mem::replace(&mut newest[vertex], copy));
                     }
-                    owners.push(face);
+                    owners.push(half_edge);
                     copies.push(*corner);
                     *corner = copy;
                 }
             }
         }
         Vertices { given, copies, owners }
+    }
+
+    /// Vertices that stay as they are.
+    pub(super) fn kept<'c>(given: u32, primitives: impl IntoIterator<Item = (u32, &'c [[u32; 3]])>) -> Self {
+        let mut owners = vec![NONE; given as usize];
+        for (first, corners) in primitives {
+            for (half_edge, &corner) in (3 * first..).zip(corners.as_flattened()) {
+                if owners[corner as usize] == NONE {
+                    owners[corner as usize] = half_edge;
+                }
+            }
+        }
+        Vertices { given, copies: Vec::new(), owners }
     }
 
     /// Number of vertices, copies included.
@@ -101,8 +117,14 @@ impl Vertices {
     /// The face whose value a vertex carries, if any uses it.
     #[inline]
     pub(super) fn owner(&self, vertex: u32) -> Option<Face> {
-        let face = self.owners[vertex as usize];
-        (face != NONE).then_some(Face(face))
+        self.corner(vertex).map(HalfEdge::face)
+    }
+
+    /// A half-edge that begins at a vertex, if a face uses it.
+    #[inline]
+    pub(super) fn corner(&self, vertex: u32) -> Option<HalfEdge> {
+        let half_edge = self.owners[vertex as usize];
+        (half_edge != NONE).then_some(HalfEdge(half_edge))
     }
 }
 
@@ -124,6 +146,15 @@ impl Owners {
             Owners::Corners(faces) => 3 * faces.len(),
             Owners::Faces(faces) => faces.len(),
             Owners::Vertices(vertices) => vertices.len(),
+        }
+    }
+
+    /// A half-edge at whose origin a vertex is; none for an element of a face.
+    pub(super) fn corner(&self, element: u32) -> Option<HalfEdge> {
+        match self {
+            Owners::Corners(faces) => Some(HalfEdge(3 * faces.start + element)),
+            Owners::Faces(_) => None,
+            Owners::Vertices(vertices) => vertices.corner(element),
         }
     }
 }
