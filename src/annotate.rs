@@ -1,16 +1,19 @@
 //! The main job as a list of verbs: read, weld, estimate, colour, write.
 
-use crate::annotation::{Annotation, ColorCarrier, Space, Unit, UpAxis};
+use crate::annotation::{Annotation, ColorCarrier, Layout, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
+use crate::legend;
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
+use crate::stored::StoredValues;
+use crate::vertex_values::VertexValues;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -27,16 +30,31 @@ pub struct AnnotateOptions {
     pub selection: Selection,
     /// The quantity that colours show; `None` for no colours. Default: mean.
     pub color_by: Option<Quantity>,
+    /// Quantities between whose colours a viewer of a glTF file can choose. Where `color_by` is among
+    /// them it is the one shown first, otherwise the first is. Empty: only `color_by`.
+    pub variants: Vec<Quantity>,
     /// The colour map; `None` for the quantity's own.
     pub colormap: Option<Colormap>,
-    /// The values at the ends of the colour map.
+    /// The values at the ends of the colour map of the quantity shown first; other variants have
+    /// automatic ones.
     pub range: Range,
     /// How a glTF file carries colours.
     pub carrier: ColorCarrier,
+    /// How a glTF file attaches values to faces.
+    pub layout: Layout,
+    /// Replace attributes of a glTF input that have a name of ours but were not written by Osculate;
+    /// otherwise they stay and ours are left out.
+    pub force: bool,
     /// The input's up axis; `None` for Z in STL and Y in everything else.
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
     pub unit: Option<Unit>,
+    /// Take the values that a glTF input carries from an earlier run instead of estimating.
+    pub reuse: bool,
+    /// Also write the area-weighted mean of the faces around every vertex.
+    pub vertex_values: bool,
+    /// A `.png` or `.svg` that gets a picture of the colour scales.
+    pub legend: Option<PathBuf>,
     /// A `.glb` that gets the boundary, feature and non-manifold edges as lines.
     pub edges: Option<PathBuf>,
     /// With `edges`: the silhouette as well, for this direction from the viewer to the mesh, in the
@@ -55,11 +73,17 @@ impl Default for AnnotateOptions {
             curvature: CurvatureOptions::default(),
             selection: Selection::default(),
             color_by: Some(Quantity::Mean),
+            variants: Vec::new(),
             colormap: None,
             range: Range::Auto,
             carrier: ColorCarrier::Texture,
+            layout: Layout::Faces,
+            force: false,
             up: None,
             unit: None,
+            reuse: false,
+            vertex_values: false,
+            legend: None,
             edges: None,
             view: None,
             reserved: Vec::new(),
@@ -82,15 +106,53 @@ impl AnnotateOptions {
             return Err(Error::Usage("the edges are written as .glb; give their file that extension".into()));
         }
         self.curvature.check()?;
-        if self.color_by == Some(Quantity::Class) && self.colormap.is_some() {
+        if let Some(path) = &self.legend {
+            legend::check(path)?;
+            if self.shown().is_empty() {
+                return Err(Error::Usage("--color-by none has no legend; leave --legend out".into()));
+            }
+        }
+        if self.variants.len() > 1 && self.carrier != ColorCarrier::Texture {
+            return Err(Error::Usage("several variants need --color texture; vertices have one colour".into()));
+        }
+        if !self.variants.is_empty() && self.layout == Layout::Indexed {
+            return Err(Error::Usage("layout indexed carries no colours; leave --variants out".into()));
+        }
+        let shown = self.shown();
+        if shown == [Quantity::Class] && self.colormap.is_some() {
             return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
         }
-        self.color_by.map_or(Ok(()), |quantity| color::check(quantity, self.range))
+        (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
-    /// The carrier, where there is something to carry.
-    fn used_carrier(&self) -> Option<ColorCarrier> {
-        self.color_by.map(|_| self.carrier)
+    /// The quantities that colours show, the first one first, each once.
+    fn shown(&self) -> Vec<Quantity> {
+        let first = match self.variants.as_slice() {
+            [] => self.color_by,
+            [first, ..] => Some(self.color_by.filter(|quantity| self.variants.contains(quantity)).unwrap_or(*first)),
+        };
+        let mut shown: Vec<Quantity> = Vec::new();
+        for quantity in first.into_iter().chain(self.variants.iter().copied()) {
+            if !shown.contains(&quantity) {
+                shown.push(quantity);
+            }
+        }
+        shown
+    }
+
+    /// The range of a colour scale: the one asked for is that of the first, whose unit it has.
+    fn range_of(&self, scale: usize) -> Range {
+        if scale == 0 { self.range } else { Range::Auto }
+    }
+
+    /// Bytes that colours take in each vertex.
+    fn color_bytes(&self) -> u64 {
+        match self.carrier {
+            _ if self.layout == Layout::Indexed => 0,
+            ColorCarrier::Texture => 8 * self.shown().len() as u64,
+            ColorCarrier::Vertex | ColorCarrier::VertexSrgb => 4,
+            ColorCarrier::None => 0,
+        }
     }
 
     /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
@@ -126,6 +188,8 @@ impl AnnotateOptions {
                 Range::Fixed(low, high) => json!([low, high]),
             },
             "color": self.carrier,
+            "variants": self.variants,
+            "layout": self.layout,
         })
     }
 }
@@ -144,13 +208,31 @@ pub fn annotate(
     options.check()?;
     destination.check_folder()?;
     let start = Instant::now();
-    let (soup, input_format) = io::read(input, progress)?;
+    let (mut soup, input_format) = io::read(input, progress)?;
     let space = options.space(input_format, format)?;
-    let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
-    destination.check(format, &others, input, &soup)?;
-    io::check_size(format, soup.face_count(), &options.selection, options.used_carrier())?;
+    let others: Vec<PathBuf> = options.edges.iter().chain(&options.legend).chain(&options.reserved).cloned().collect();
+    destination.check(format, &others, input, &soup, options.shown().len())?;
+    io::check_size(format, options.layout, soup.face_count(), &options.selection, options.color_bytes())?;
+    let stored = io::stored_values(&soup)?;
+    if options.reuse && stored.is_none() {
+        let what = "has no values of Osculate's to use again; leave --reuse out";
+        return Err(Error::Usage(format!("{}: {what}", input.display())));
+    }
+    if let Some(scene) = soup.scene.as_mut() {
+        if format.is_gltf() {
+            if matches!(options.carrier, ColorCarrier::Vertex | ColorCarrier::VertexSrgb) {
+                let what = "vertex colours would change the look that the glTF input has; leave --color out";
+                return Err(Error::Usage(what.into()));
+            }
+            let notes = io::check_original(scene, options.force)?;
+            soup.notes.extend(notes);
+        } else {
+            scene.original = None;
+        }
+    }
     // Opened before any work, put in its place after the main output.
     let mut edges = options.edges.as_deref().map(Output::create).transpose()?;
+    let mut legend = options.legend.as_deref().map(Output::create).transpose()?;
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
 
@@ -158,22 +240,37 @@ pub fn annotate(
     drop(soup);
     let weld = start.elapsed();
 
-    let values = curvature::estimate(&mesh, &options.curvature, progress)?;
+    let mut provenance = options.provenance();
+    let values = match stored {
+        Some(stored) if options.reuse => {
+            keep_settings(&mut provenance, &stored);
+            stored.curvature(&mesh).map_err(|e| e.in_file(input))?
+        }
+        stored => {
+            notes.extend(stored.map(|_| Note::info("the input carries values of an earlier run; --reuse takes those")));
+            curvature::estimate(&mesh, &options.curvature, progress)?
+        }
+    };
     let estimate = start.elapsed();
 
-    let colors = match options.color_by {
-        Some(quantity) => Some(ColorScale::new(quantity, options.colormap, options.range, &values)?),
-        None => None,
-    };
+    let colors = (options.shown().into_iter().enumerate())
+        .map(|(i, quantity)| ColorScale::new(quantity, options.colormap, options.range_of(i), &values))
+        .collect::<Result<Vec<_>, _>>()?;
     let annotation = Annotation {
         mesh: &mesh,
         values: &values,
         name: input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        vertex_values: options.vertex_values.then(|| {
+            let written = if format.is_gltf() { options.selection.for_gltf() } else { options.selection.for_csv() };
+            VertexValues::of(&mesh, &values, &[written, options.shown()].concat())
+        }),
         selection: options.selection.clone(),
         colors,
         carrier: options.carrier,
+        layout: options.layout,
+        force: options.force,
         space,
-        provenance: options.provenance(),
+        provenance,
     };
     notes.extend(mesh.report().remarks().into_iter().map(Note::info));
     notes.extend(note_of_low_coverage(&values));
@@ -184,7 +281,11 @@ pub fn annotate(
         let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
         io::write_lines(&scene, out)?;
     }
+    if let Some(out) = &mut legend {
+        legend::write(&annotation, out)?;
+    }
     io::write(&annotation, format, destination, progress)?;
+    legend.map_or(Ok(()), Output::finish)?;
     edges.map_or(Ok(()), Output::finish)?;
     let write = start.elapsed();
 
@@ -201,6 +302,16 @@ pub fn annotate(
         curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
     })
+}
+
+/// Values that are used again were estimated with the settings of their own run.
+fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
+    let of_estimation =
+        ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
+    for name in of_estimation {
+        provenance[name] = stored.settings.get(name).cloned().unwrap_or_default();
+    }
+    provenance["reused"] = true.into();
 }
 
 /// Says so where borders and sharp edges leave many disks less than half.

@@ -7,6 +7,7 @@ use crate::io::{InputFormat, OutputFormat};
 use crate::mesh::Mesh;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
+use crate::vertex_values::VertexValues;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
@@ -123,6 +124,18 @@ pub enum ColorCarrier {
     None,
 }
 
+/// How a glTF file attaches values to faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Layout {
+    /// Vertices of its own for every face, whose values are vertex attributes: right in every client.
+    #[default]
+    Faces,
+    /// Vertices that faces share, as the input has them; values in an extension of the primitive
+    /// (docs/file-format.md). Less than half as large, no colours, and for readers that know it.
+    Indexed,
+}
+
 /// A mesh with its curvature and everything a writer needs to know.
 #[derive(Clone, Debug)]
 pub struct Annotation<'m> {
@@ -132,12 +145,18 @@ pub struct Annotation<'m> {
     pub values: &'m [FaceCurvature],
     /// The object's name in the output.
     pub name: String,
+    /// Values of vertices, where they are to be written too.
+    pub vertex_values: Option<VertexValues>,
     /// Quantities asked for.
     pub selection: Selection,
-    /// Colours, if any.
-    pub colors: Option<ColorScale>,
+    /// Colour scales: the first is the one shown, all are variants in a glTF file. May be empty.
+    pub colors: Vec<ColorScale>,
     /// How a glTF file carries them.
     pub carrier: ColorCarrier,
+    /// How a glTF file attaches values to faces.
+    pub layout: Layout,
+    /// Whether attributes of a glTF input that have a name of ours but are not are replaced.
+    pub force: bool,
     /// Axes and units of a glTF file.
     pub space: Space,
     /// Settings and version: all that is needed to repeat the run.
@@ -168,6 +187,12 @@ impl Annotation<'_> {
         })
     }
 
+    /// The values of vertices, column by column; none where they are not asked for.
+    pub(crate) fn vertex_columns(&self) -> impl Iterator<Item = (Quantity, &[f32])> {
+        let values = self.vertex_values.as_ref();
+        values.into_iter().flat_map(|values| values.quantities().filter_map(|q| Some((q, values.get(q)?))))
+    }
+
     /// The translation of a glTF output's node: the mesh's origin in the output's axes and units, in
     /// 32 bits, as glTF keeps it.
     pub(crate) fn node_translation(&self) -> DVec3 {
@@ -190,10 +215,18 @@ impl Annotation<'_> {
         value.is_estimated().then(|| self.space.direction(direction))
     }
 
-    /// What a legend needs: quantity, unit, map, range and a few colours with their values, in the
-    /// units of a glTF output. `None` where there are no colours.
+    /// What a legend of the colours shown needs: quantity, unit, map, range and a few colours with their
+    /// values, in the units of a glTF output. `None` where there are no colours.
     pub fn legend(&self) -> Option<Value> {
-        let colors = self.colors.as_ref()?;
+        self.colors.first().map(|colors| self.legend_of(colors))
+    }
+
+    /// What the legend of each colour scale needs.
+    pub fn legends(&self) -> Vec<Value> {
+        self.colors.iter().map(|colors| self.legend_of(colors)).collect()
+    }
+
+    fn legend_of(&self, colors: &ColorScale) -> Value {
         let factor = self.space.factor(colors.quantity.dimension());
         let palette = colors.map.palette();
         let hex = |i: usize| format!("#{:02x}{:02x}{:02x}", palette[i][0], palette[i][1], palette[i][2]);
@@ -202,7 +235,7 @@ impl Annotation<'_> {
                 .iter()
                 .map(|class| json!({ "value": class.code(), "name": class.name(), "color": hex(class_index(*class)) }))
                 .collect();
-            return Some(json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes }));
+            return json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes });
         }
         const STOPS: usize = 8;
         let stops: Vec<Value> = (0..=STOPS)
@@ -212,7 +245,7 @@ impl Annotation<'_> {
                 json!({ "value": value, "color": hex(scale_index(share)) })
             })
             .collect();
-        Some(json!({
+        json!({
             "quantity": colors.quantity.token(),
             "unit": self.unit_of(colors.quantity),
             "colormap": colors.map.name(),
@@ -220,7 +253,7 @@ impl Annotation<'_> {
             "clipped_faces": colors.clipped,
             "not_estimated": hex(NOT_ESTIMATED_INDEX),
             "stops": stops,
-        }))
+        })
     }
 
     /// The unit of a quantity in a glTF output, such as `1/m^2`; `1/unit` where the length unit is
@@ -248,7 +281,7 @@ impl Annotation<'_> {
     pub fn extras(&self) -> Value {
         let report = self.mesh.report();
         let origin = self.mesh.origin();
-        json!({ "osculate": {
+        let mut extras = json!({ "osculate": {
             "schema": 1,
             "version": env!("CARGO_PKG_VERSION"),
             "settings": self.provenance,
@@ -259,7 +292,11 @@ impl Annotation<'_> {
             "faces": report.faces,
             "origin": origin.to_array(),
             "legend": self.legend(),
-        } })
+        } });
+        if self.colors.len() > 1 {
+            extras["osculate"]["legends"] = self.legends().into();
+        }
+        extras
     }
 
     /// The corners of a face in the input's axes and units, relative to the mesh's origin; finite

@@ -23,21 +23,30 @@ pub struct Colormap {
     name: &'static str,
 }
 
-/// Name, gradient and whether it runs backwards. Diverging ones first.
-type Entry = (&'static str, colorous::Gradient, bool);
+/// How a gradient's colours are spaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spacing {
+    /// Two arms that meet in the middle, each of even steps.
+    Diverging,
+    /// As its makers spaced it.
+    Given,
+}
+
+/// Name, gradient, whether it runs backwards, and spacing.
+type Entry = (&'static str, colorous::Gradient, bool, Spacing);
 
 const GRADIENTS: [Entry; 11] = [
-    ("blue-red", colorous::RED_BLUE, true),
-    ("purple-orange", colorous::PURPLE_ORANGE, true),
-    ("purple-green", colorous::PURPLE_GREEN, false),
-    ("brown-green", colorous::BROWN_GREEN, false),
-    ("viridis", colorous::VIRIDIS, false),
-    ("cividis", colorous::CIVIDIS, false),
-    ("magma", colorous::MAGMA, false),
-    ("inferno", colorous::INFERNO, false),
-    ("plasma", colorous::PLASMA, false),
-    ("turbo", colorous::TURBO, false),
-    ("greys", colorous::GREYS, true),
+    ("blue-red", colorous::RED_BLUE, true, Spacing::Diverging),
+    ("purple-orange", colorous::PURPLE_ORANGE, true, Spacing::Diverging),
+    ("purple-green", colorous::PURPLE_GREEN, false, Spacing::Diverging),
+    ("brown-green", colorous::BROWN_GREEN, false, Spacing::Diverging),
+    ("viridis", colorous::VIRIDIS, false, Spacing::Given),
+    ("cividis", colorous::CIVIDIS, false, Spacing::Given),
+    ("magma", colorous::MAGMA, false, Spacing::Given),
+    ("inferno", colorous::INFERNO, false, Spacing::Given),
+    ("plasma", colorous::PLASMA, false, Spacing::Given),
+    ("turbo", colorous::TURBO, false, Spacing::Given),
+    ("greys", colorous::GREYS, true, Spacing::Given),
 ];
 
 /// Colours of the classes flat to hyperbolic, told apart by the colour-blind too
@@ -81,11 +90,20 @@ impl Colormap {
     pub fn palette(self) -> [Rgb; PALETTE] {
         let mut palette = [NOT_ESTIMATED; PALETTE];
         match GRADIENTS.iter().find(|entry| entry.0 == self.name) {
-            Some((_, gradient, backwards)) => {
-                for (i, color) in palette[..SCALE].iter_mut().enumerate() {
-                    let at = i as f64 / (SCALE - 1) as f64;
+            Some((_, gradient, backwards, spacing)) => {
+                let color = |at: f64| {
                     let rgb = gradient.eval_continuous(if *backwards { 1.0 - at } else { at });
-                    *color = [rgb.r, rgb.g, rgb.b];
+                    [rgb.r, rgb.g, rgb.b]
+                };
+                let spaced: Box<dyn Fn(f64) -> f64> = match spacing {
+                    Spacing::Given => Box::new(|at| at),
+                    Spacing::Diverging => {
+                        let (low, high) = (even_steps(&color, 0.0, 0.5), even_steps(&color, 0.5, 1.0));
+                        Box::new(move |at| if at < 0.5 { low(2.0 * at) } else { high(2.0 * at - 1.0) })
+                    }
+                };
+                for (i, slot) in palette[..SCALE].iter_mut().enumerate() {
+                    *slot = color(spaced(i as f64 / (SCALE - 1) as f64));
                 }
             }
             None => {
@@ -96,6 +114,39 @@ impl Colormap {
         }
         palette
     }
+}
+
+/// Where on a gradient between `from` and `to` equal steps from 0 to 1 look equally large.
+fn even_steps(color: &dyn Fn(f64) -> Rgb, from: f64, to: f64) -> Box<dyn Fn(f64) -> f64> {
+    /// Finer, and the rounding of colours to 8 bits would be measured.
+    const PARTS: usize = 32;
+    let place = move |part: f64| from + (to - from) * part / PARTS as f64;
+    let mut lengths = vec![0.0];
+    for part in 0..PARTS {
+        let (a, b) = (oklab(color(place(part as f64))), oklab(color(place(part as f64 + 1.0))));
+        let step = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        lengths.push(lengths[part] + step);
+    }
+    Box::new(move |share| {
+        let wanted = share.clamp(0.0, 1.0) * lengths[PARTS];
+        let part = lengths[1..PARTS].partition_point(|&length| length < wanted);
+        let step = lengths[part + 1] - lengths[part];
+        place(part as f64 + if step > 0.0 { (wanted - lengths[part]) / step } else { 0.0 })
+    })
+}
+
+/// Lightness and two opponent colours, in which equal distances look about equally large
+/// (Ottosson, A perceptual color space for image processing, 2020).
+fn oklab(color: Rgb) -> [f64; 3] {
+    let [r, g, b] = color.map(|channel| f64::from(linear_factor(channel)));
+    let l = (0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b).cbrt();
+    let m = (0.211_903_498_2 * r + 0.680_699_545_1 * g + 0.107_396_956_6 * b).cbrt();
+    let s = (0.088_302_461_9 * r + 0.281_718_837_6 * g + 0.629_978_700_5 * b).cbrt();
+    [
+        0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
+        1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
+        0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
+    ]
 }
 
 /// The values that the ends of the colour scale stand for.
@@ -250,6 +301,32 @@ mod tests {
         let palette = scale.map.palette();
         assert_eq!(palette[255], NOT_ESTIMATED);
         assert!(palette[0][2] > palette[0][0] && palette[254][0] > palette[254][2], "blue is low, red is high");
+    }
+
+    #[test]
+    fn steps_of_a_scale_look_equally_large() {
+        let distance = |a: Rgb, b: Rgb| {
+            let (a, b) = (oklab(a), oklab(b));
+            (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
+        };
+        for (name, _, _, spacing) in GRADIENTS {
+            let palette = Colormap::named(name).expect("known").palette();
+            if spacing == Spacing::Given {
+                continue;
+            }
+            for arm in [0..=127, 127..=254] {
+                let colors: Vec<Rgb> = arm.step_by(12).map(|i| palette[i]).collect();
+                let steps: Vec<f64> = colors.windows(2).map(|pair| distance(pair[0], pair[1])).collect();
+                let (least, most) = steps.iter().fold((f64::MAX, 0.0_f64), |(l, m), &s| (l.min(s), m.max(s)));
+                assert!(most < 1.35 * least, "{name}: {least} to {most}");
+            }
+            let lightness = |i: usize| oklab(palette[i])[0];
+            assert!((0..255).all(|i| lightness(i) <= lightness(127) + 1e-9), "{name} is lightest in the middle");
+        }
+        let classes: Vec<[f64; 3]> = CLASSES.iter().map(|&color| oklab(color)).collect();
+        for (i, a) in CLASSES.iter().enumerate() {
+            assert!(CLASSES[..i].iter().all(|b| distance(*a, *b) > 0.15), "{classes:?}");
+        }
     }
 
     #[test]

@@ -33,6 +33,7 @@ mod edge_lines;
 mod error;
 mod inspect;
 mod io;
+mod legend;
 mod lines;
 mod mesh;
 mod place;
@@ -41,13 +42,15 @@ mod quantity;
 mod section;
 mod soup;
 mod statistics;
+mod stored;
 pub mod synth;
 mod trace;
 mod triangulate;
 mod unfolding;
+mod vertex_values;
 
 pub use annotate::{AnnotateOptions, annotate};
-pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Space, Unit, UpAxis};
+pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use curvature::{
     CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius, disk_at, estimate, from_disk, normal_curvature,
@@ -59,7 +62,7 @@ pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
 pub use io::{
     Destination, InputFormat, LineScene, Output, OutputFormat, check_outputs, check_size, read, read_bytes, real_path,
-    remove_unfinished_outputs, write, write_lines, write_mesh, write_svg,
+    remove_unfinished_outputs, stored_values, write, write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{
@@ -70,6 +73,8 @@ pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};
 pub use quantity::{Quantity, Selection};
 pub use section::{Crossing, Features, Plane, Stop};
-pub use soup::{Group, MAX_FACES, Node, Note, Positions, Scene, Soup, Transform};
+pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
+pub use stored::StoredValues;
 pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};
+pub use vertex_values::VertexValues;

@@ -50,4 +50,7 @@ pub struct Layer {
     pub color: Rgb,
     /// The polylines.
     pub lines: Vec<Polyline>,
+    /// Values of the lines: name of the glTF attribute, dimension (the power of length it goes with), and
+    /// one number per line. Written where every line is a single segment.
+    pub values: Vec<(&'static str, i32, Vec<f64>)>,
 }

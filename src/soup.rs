@@ -1,8 +1,10 @@
 //! Triangles as a file gives them: nothing welded, nothing repaired, nothing dropped.
 
 use glam::DVec3;
+use std::fmt;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Vertex positions in the width the file stores them.
 ///
@@ -88,6 +90,38 @@ pub struct Scene {
     pub nodes: Vec<Node>,
     /// The nodes at the top of the default scene.
     pub roots: Vec<usize>,
+    /// Which faces belong to which primitive of the file, in face order.
+    pub primitives: Vec<PrimitiveFaces>,
+    /// The file itself, from which a glTF output takes all that is not geometry.
+    pub original: Option<Arc<Original>>,
+}
+
+/// The faces of a glTF primitive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrimitiveFaces {
+    /// Index of the mesh in the document.
+    pub mesh: usize,
+    /// Index of the primitive in the mesh.
+    pub primitive: usize,
+    /// Its faces; there is at least one.
+    pub faces: Range<u32>,
+}
+
+/// A glTF file as it was read.
+#[derive(Clone, PartialEq)]
+pub struct Original {
+    /// Its name, for messages.
+    pub path: PathBuf,
+    /// Where the files that it names are; `None` when it came from a stream.
+    pub folder: Option<PathBuf>,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+impl fmt::Debug for Original {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Original({}, {} bytes)", self.path.display(), self.bytes.len())
+    }
 }
 
 /// What a reader had to repair or skip, in a sentence, or only wants to mention.

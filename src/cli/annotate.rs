@@ -13,12 +13,12 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let to_stdout = args.output == Path::new("-");
     let format = match args.format {
         Some(format) => format.into(),
-        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply or csv".into())),
+        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into())),
         None => OutputFormat::of(&args.output)?,
     };
     let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-    let edges = args.edges.clone().filter(|path| path.exists());
-    if let Some(existing) = destination.existing(format).or(edges).filter(|_| args.no_clobber) {
+    let besides = [&args.edges, &args.legend].into_iter().flatten().find(|path| path.exists()).cloned();
+    if let Some(existing) = destination.existing(format).or(besides).filter(|_| args.no_clobber) {
         return Err(Error::Exists(existing));
     }
     let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;

@@ -1,9 +1,10 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
 use super::choices::{
-    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LogFormat, ReportFormat, ShapeArg, UnitArg, UpArg,
+    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LayoutArg, LogFormat, ReportFormat, ShapeArg, UnitArg,
+    UpArg,
 };
-use super::parse::{cells, pair, plane, radius, radius_factor, range, seeds, threads, vector};
+use super::parse::{cells, pair, plane, quantity, radius, radius_factor, range, seeds, threads, vector};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
@@ -37,7 +38,7 @@ pub(super) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply or .csv
+    /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply, .csv or .npz
     Annotate(Box<AnnotateArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
@@ -77,7 +78,7 @@ pub(super) struct AnnotateArgs {
     /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
     pub(super) input: PathBuf,
 
-    /// File to write; its extension chooses the format: .glb, .gltf, .ply or .csv. - for standard output
+    /// File to write; its extension chooses the format: .glb, .gltf, .ply, .csv or .npz. - for standard output
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
 
@@ -93,6 +94,14 @@ pub(super) struct AnnotateArgs {
 
     #[command(flatten)]
     pub(super) look: LookArgs,
+
+    /// Take the values that a glTF input carries from an earlier run instead of estimating them
+    #[arg(long, help_heading = "Estimation")]
+    reuse: bool,
+
+    /// Also write a picture of the colour scales (.png or .svg)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(super) legend: Option<PathBuf>,
 
     /// Also write the boundary, feature and non-manifold edges as glTF lines (.glb)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
@@ -191,12 +200,17 @@ pub(super) struct LookArgs {
     #[arg(long, value_enum, value_name = "QUANTITY", default_value_t = ColorByArg::Mean)]
     color_by: ColorByArg,
 
+    /// Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants),
+    /// separated by commas; --color-by is shown first where it is among them, otherwise the first is
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = quantity)]
+    variants: Vec<osculate::Quantity>,
+
     /// Colours; default: blue-red for signed quantities, viridis for others, one colour per class
     #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Colormap::names()))]
     colormap: Option<String>,
 
     /// Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th
-    /// percentile of the magnitudes
+    /// percentile of the magnitudes. Of several variants it is the first's
     #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true)]
     range: Range,
 
@@ -204,6 +218,22 @@ pub(super) struct LookArgs {
     /// light (by the specification), vertex colours in sRGB (for MeshLab), or not at all
     #[arg(long, value_enum, value_name = "CARRIER", default_value_t = CarrierArg::Texture)]
     color: CarrierArg,
+
+    /// How glTF attaches values to faces: vertices of its own for every face with values as attributes
+    /// (right in every client), or vertices shared as in the input and values in an extension of the
+    /// primitive (under half the size, without colours, for readers that know it)
+    #[arg(long, value_enum, value_name = "LAYOUT", default_value_t = LayoutArg::Faces)]
+    layout: LayoutArg,
+
+    /// Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX;
+    /// PLY: vertex quality and properties; NPZ: arrays vertex_...
+    #[arg(long)]
+    vertex_values: bool,
+
+    /// Replace attributes of a glTF input that have one of the names above but come from elsewhere;
+    /// without it they stay and Osculate's are left out
+    #[arg(long)]
+    force: bool,
 }
 
 impl AnnotateArgs {
@@ -216,8 +246,14 @@ impl AnnotateArgs {
             colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
             range: self.look.range,
             carrier: self.look.color.into(),
+            variants: self.look.variants.clone(),
+            layout: self.look.layout.into(),
+            force: self.look.force,
             up: self.look.space.up.map(Into::into),
             unit: self.look.space.unit.map(Into::into),
+            reuse: self.reuse,
+            vertex_values: self.look.vertex_values,
+            legend: self.legend.clone(),
             edges: self.edges.clone(),
             view: self.view,
             reserved: self.stats.iter().cloned().collect(),

@@ -1,7 +1,7 @@
 //! Options with a fixed set of values, and what each value stands for in the library.
 
 use clap::ValueEnum;
-use osculate::{Along, ColorCarrier, Estimator, OutputFormat, Quantity, Unit, UpAxis};
+use osculate::{Along, ColorCarrier, Estimator, Layout, OutputFormat, Quantity, Unit, UpAxis};
 
 /// Declares a value of an option and what it stands for in the library.
 macro_rules! choices {
@@ -50,6 +50,7 @@ choices!(FormatArg => OutputFormat {
     Gltf => OutputFormat::Gltf,
     Ply => OutputFormat::Ply,
     Csv => OutputFormat::Csv,
+    Npz => OutputFormat::Npz,
 });
 
 choices!(UpArg => UpAxis {
@@ -69,6 +70,11 @@ choices!(CarrierArg => ColorCarrier {
     Vertex => ColorCarrier::Vertex,
     VertexSrgb => ColorCarrier::VertexSrgb,
     None => ColorCarrier::None,
+});
+
+choices!(LayoutArg => Layout {
+    Faces => Layout::Faces,
+    Indexed => Layout::Indexed,
 });
 
 choices!(ColorByArg => Option<Quantity> {

@@ -62,7 +62,7 @@ fn layers(mesh: &Mesh, face: osculate::Face, disk: &Disk, frame: &Frame, value: 
         let half = 0.5 * length * disk.radius() * direction;
         vec![Polyline::open([frame.centre - half, frame.centre + half])]
     };
-    let layer = |name: &str, color, lines| Layer { name: name.into(), color, lines };
+    let layer = |name: &str, color, lines| Layer { name: name.into(), color, lines, values: Vec::new() };
     vec![
         layer("legs", [90, 90, 90], legs.collect()),
         layer("rim", [0, 0, 0], vec![Polyline::closed(rim)]),

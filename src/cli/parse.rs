@@ -1,7 +1,7 @@
 //! Values of options that are more than a number or a word.
 
 use glam::DVec3;
-use osculate::{Radius, Range};
+use osculate::{Quantity, Radius, Range};
 
 pub(super) fn radius(text: &str) -> Result<Radius, String> {
     match text {
@@ -27,6 +27,13 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
     let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
     Ok(Range::Fixed(number(low)?, number(high)?))
+}
+
+pub(super) fn quantity(text: &str) -> Result<Quantity, String> {
+    Quantity::from_token(text.trim()).ok_or_else(|| {
+        let known: Vec<&str> = Quantity::ALL.iter().map(|quantity| quantity.token()).collect();
+        format!("known are {}", known.join(", "))
+    })
 }
 
 pub(super) fn vector(text: &str) -> Result<DVec3, String> {

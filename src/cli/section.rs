@@ -35,7 +35,12 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
             "plane": args.plane, "lengths": lengths, "closed": lines.iter().map(|l| l.closed).collect::<Vec<_>>(),
         } });
         let open = lines.len() - closed;
-        let layers = [Layer { name: format!("section: {closed} closed, {open} open"), color: [0, 0, 0], lines }];
+        let layers = [Layer {
+            name: format!("section: {closed} closed, {open} open"),
+            color: [0, 0, 0],
+            lines,
+            values: Vec::new(),
+        }];
         let space: Space = args.space.space(input.format)?;
         osculate::write_lines(&LineScene { layers: &layers, origin: mesh.origin(), space, extras }, &mut out)?;
     }

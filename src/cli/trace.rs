@@ -31,7 +31,7 @@ pub(super) fn run(args: &TraceArgs, messages: &Messages) -> Result<Outcome, Erro
             Along::Min => ("traces of dir_min", [0, 114, 178]),
         };
         let lines = traces.iter().map(|trace| trace.path.clone()).collect();
-        let layers = [Layer { name: name.into(), color, lines }];
+        let layers = [Layer { name: name.into(), color, lines, values: Vec::new() }];
         let ends: Vec<_> = traces.iter().map(|trace| (trace.backward_end, trace.end)).collect();
         let extras = json!({ "osculate": { "steps": options.steps, "ends": ends, "estimator": curvature.estimator } });
         let space = args.space.space(input.format)?;

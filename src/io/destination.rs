@@ -16,16 +16,16 @@ pub enum Destination {
 
 impl Destination {
     /// All files that an output of so many faces may replace.
-    fn files(&self, format: OutputFormat, faces: usize) -> Vec<PathBuf> {
+    fn files(&self, format: OutputFormat, faces: usize, scales: usize) -> Vec<PathBuf> {
         match self {
             Destination::Stdout => Vec::new(),
-            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_beside(path, faces),
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_beside(path, faces, scales),
             Destination::File(path) => vec![path.clone()],
         }
     }
 
-    /// Refuses an output that would replace the input or a file that the input names, and one whose
-    /// folder does not exist.
+    /// Refuses an output that would replace the input or a file that the input names. `scales` is the
+    /// number of colour scales.
     ///
     /// # Errors
     /// [`Error::Usage`] or [`Error::Io`], with the file in question.
@@ -35,8 +35,9 @@ impl Destination {
         others: &[PathBuf],
         input: &Path,
         soup: &Soup,
+        scales: usize,
     ) -> Result<(), Error> {
-        let mut outputs = self.files(format, soup.face_count());
+        let mut outputs = self.files(format, soup.face_count(), scales);
         if let [document, beside @ ..] = outputs.as_slice()
             && beside.contains(document)
         {
@@ -48,7 +49,7 @@ impl Destination {
 
     /// The first of the files that an output may replace and that is there already.
     pub fn existing(&self, format: OutputFormat) -> Option<PathBuf> {
-        self.files(format, 0).into_iter().find(|path| path.exists())
+        self.files(format, 0, 1).into_iter().find(|path| path.exists())
     }
 
     /// Refuses an output in a folder that does not exist.

@@ -4,10 +4,12 @@ mod blocks;
 mod csv;
 mod destination;
 mod gltf;
+mod npz;
 mod obj;
 mod output;
 mod plain;
 mod ply;
+pub(crate) mod png;
 mod stl;
 mod svg;
 mod text;
@@ -18,12 +20,14 @@ pub use output::{Output, remove_unfinished_outputs};
 pub use plain::write_mesh;
 pub use svg::write_svg;
 
-use crate::annotation::{Annotation, ColorCarrier};
+use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::{Error, ParseError};
 use crate::progress::{Progress, Stage};
 use crate::quantity::Selection;
-use crate::soup::Soup;
+use crate::soup::{Note, Original, Scene, Soup};
+use crate::stored::StoredValues;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A mesh file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -107,10 +111,15 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
     let folder = path.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
     let content = without_byte_order_mark(&bytes);
-    let result = InputFormat::of(path, content).and_then(|format| Ok((read_bytes(content, format, folder)?, format)));
+    let result = InputFormat::of(path, content).and_then(|format| Ok((parse(content, format, folder)?, format)));
     progress.advance(bytes.len() as u64);
     progress.end();
-    result.map_err(|e| Error::parse(path, e))
+    let (mut soup, format) = result.map_err(|e| Error::parse(path, e))?;
+    if let Some(scene) = &mut soup.scene {
+        let original = Original { path: path.to_path_buf(), folder: folder.map(Path::to_path_buf), bytes };
+        scene.original = Some(Arc::new(original));
+    }
+    Ok((soup, format))
 }
 
 /// Reads a mesh of a known format. `folder` is where files that a glTF names may be found.
@@ -118,7 +127,16 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
 /// # Errors
 /// Place and reason where the content is not what the format promises.
 pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
-    let bytes = without_byte_order_mark(bytes);
+    let mut soup = parse(without_byte_order_mark(bytes), format, folder)?;
+    if let Some(scene) = &mut soup.scene {
+        let original =
+            Original { path: "the input".into(), folder: folder.map(Path::to_path_buf), bytes: bytes.to_vec() };
+        scene.original = Some(Arc::new(original));
+    }
+    Ok(soup)
+}
+
+fn parse(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
     match format {
         InputFormat::Stl => stl::read(bytes),
         InputFormat::Obj => obj::read(bytes),
@@ -135,6 +153,14 @@ fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     }
 }
 
+/// The values of faces that a glTF file carries because Osculate wrote them; `None` where it does not.
+///
+/// # Errors
+/// [`Error::Parse`] where they are damaged.
+pub fn stored_values(soup: &Soup) -> Result<Option<StoredValues>, Error> {
+    soup.scene.as_ref().map_or(Ok(None), gltf::read_values)
+}
+
 /// A file format that annotated meshes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -147,6 +173,8 @@ pub enum OutputFormat {
     Ply,
     /// One row of numbers per face.
     Csv,
+    /// NumPy arrays.
+    Npz,
 }
 
 impl OutputFormat {
@@ -161,8 +189,9 @@ impl OutputFormat {
             Some("gltf") => Ok(OutputFormat::Gltf),
             Some("ply") => Ok(OutputFormat::Ply),
             Some("csv") => Ok(OutputFormat::Csv),
+            Some("npz") => Ok(OutputFormat::Npz),
             _ => Err(Error::Usage(format!(
-                "{}: the extension must be .glb, .gltf, .ply or .csv, or the format be given with --format",
+                "{}: the extension must be .glb, .gltf, .ply, .csv or .npz, or the format be given with --format",
                 path.display()
             ))),
         }
@@ -173,21 +202,31 @@ impl OutputFormat {
     }
 }
 
-/// Refuses, before any work is done, what the format cannot hold. `carrier` is `None` where there
-/// are no colours.
+/// Refuses, before any work is done, what the format cannot hold. `color_bytes` is what colours take
+/// in each vertex: 8 for a palette texture, 4 for vertex colours.
 ///
 /// # Errors
 /// [`Error::TooLarge`] with the ways out.
 pub fn check_size(
     format: OutputFormat,
+    layout: Layout,
     faces: usize,
     selection: &Selection,
-    carrier: Option<ColorCarrier>,
+    color_bytes: u64,
 ) -> Result<(), Error> {
     if format == OutputFormat::Glb {
-        gltf::check_glb_length(gltf::faces_byte_length(faces, &selection.for_gltf(), carrier))?;
+        gltf::check_glb_length(gltf::expected_bytes(layout, faces, &selection.for_gltf(), color_bytes))?;
     }
     Ok(())
+}
+
+/// Refuses, before any work is done, a glTF input that cannot be carried over to a glTF output, and
+/// says what of it will stay as it is.
+///
+/// # Errors
+/// [`Error::Parse`] with the place.
+pub(crate) fn check_original(scene: &Scene, force: bool) -> Result<Vec<Note>, Error> {
+    gltf::check_original(scene, force)
 }
 
 /// Writes an annotated mesh.
@@ -230,6 +269,7 @@ fn write_to(
         OutputFormat::Gltf => gltf::write_embedded(annotation, &mut out, progress)?,
         OutputFormat::Ply => ply::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
         OutputFormat::Csv => csv::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
+        OutputFormat::Npz => npz::write(annotation, &mut out, progress).map_err(|e| out.error(e))?,
     }
     out.finish()
 }
@@ -237,9 +277,12 @@ fn write_to(
 /// Roughly how many bytes will be written, for the progress bar.
 fn expected_bytes(annotation: &Annotation<'_>, format: OutputFormat) -> u64 {
     let faces = annotation.values.len();
-    let carrier = annotation.colors.as_ref().map(|_| annotation.carrier);
     if format.is_gltf() {
-        return gltf::faces_byte_length(faces, &annotation.gltf_quantities(), carrier);
+        let color_bytes = match annotation.carrier {
+            ColorCarrier::Texture => 8 * annotation.colors.len() as u64,
+            _ => 4,
+        };
+        return gltf::expected_bytes(annotation.layout, faces, &annotation.gltf_quantities(), color_bytes);
     }
     let columns: usize = annotation.selection.for_csv().iter().map(|q| q.columns().len()).sum();
     faces as u64 * if format == OutputFormat::Csv { 11 * columns as u64 } else { 27 + 4 * columns as u64 }

@@ -21,8 +21,49 @@ pub(super) struct Array<'b> {
     component: ComponentType,
     normalized: bool,
     count: usize,
+    size: usize,
     base: Option<Elements<'b>>,
     sparse: Option<(Indices<'b>, Elements<'b>)>,
+}
+
+/// The elements of an accessor as bytes, sparse substitutions made.
+pub(super) struct Raw<'b> {
+    zero: Vec<u8>,
+    base: Option<Elements<'b>>,
+    /// Element and the number of the value that replaces it, by element.
+    replaced: Vec<(u32, usize)>,
+    values: Option<Elements<'b>>,
+}
+
+impl Raw<'_> {
+    /// The bytes of an element. Panics when `i` is not below the accessor's count.
+    #[inline]
+    pub(super) fn get(&self, i: u32) -> &[u8] {
+        if let Some(values) = &self.values {
+            let after = self.replaced.partition_point(|&(place, _)| place <= i);
+            if let Some(&(place, value)) = after.checked_sub(1).and_then(|last| self.replaced.get(last))
+                && place == i
+            {
+                return values.get(value);
+            }
+        }
+        match &self.base {
+            Some(base) => base.get(i as usize),
+            None => &self.zero,
+        }
+    }
+}
+
+/// Bytes of an element. Columns of matrices begin at multiples of 4 (specification, 3.6.2.4).
+fn element_size(component: ComponentType, shape: Type) -> usize {
+    let size = component.size();
+    let columns = match shape {
+        Type::Mat2 => 2,
+        Type::Mat3 => 3,
+        Type::Mat4 => 4,
+        _ => return size * shape.multiplicity(),
+    };
+    columns * (size * columns).next_multiple_of(4)
 }
 
 /// Unsigned integers: the indices of a primitive or of a sparse accessor.
@@ -51,12 +92,22 @@ impl<'a> Accessors<'a> {
 
     /// The vectors of an accessor. `from` is the JSON path of the reference to it.
     pub(super) fn vectors(&self, index: Index<Accessor>, from: &str) -> Result<Array<'_>, ParseError> {
-        self.array(index, from, Type::Vec3)
+        self.array(index, from, Some(Type::Vec3))
+    }
+
+    /// The elements of an accessor of any type. `from` is the JSON path of the reference to it.
+    pub(super) fn any(&self, index: Index<Accessor>, from: &str) -> Result<Array<'_>, ParseError> {
+        self.array(index, from, None)
+    }
+
+    /// The buffers behind the accessors.
+    pub(super) fn buffers(&self) -> &Buffers<'a> {
+        &self.buffers
     }
 
     /// The vertex indices of a primitive. `from` is the JSON path of the reference to them.
     pub(super) fn indices(&self, index: Index<Accessor>, from: &str) -> Result<Indices<'_>, ParseError> {
-        let array = self.array(index, from, Type::Scalar)?;
+        let array = self.array(index, from, Some(Type::Scalar))?;
         if let (Some(base), None) = (array.base, &array.sparse) {
             return Indices::new(array.component, base, &array.path);
         }
@@ -73,7 +124,7 @@ impl<'a> Accessors<'a> {
         Ok(Indices::List(list))
     }
 
-    fn array(&self, index: Index<Accessor>, from: &str, wanted: Type) -> Result<Array<'_>, ParseError> {
+    fn array(&self, index: Index<Accessor>, from: &str, wanted: Option<Type>) -> Result<Array<'_>, ParseError> {
         let index = index.value();
         let accessor = self.accessors.get(index).ok_or_else(|| {
             ParseError::json(from, format!("there is no accessor {index} among {}", self.accessors.len()))
@@ -83,15 +134,19 @@ impl<'a> Accessors<'a> {
             let what = "must be one of 5120, 5121, 5122, 5123, 5125 and 5126";
             return Err(ParseError::json(format!("{path}.componentType"), what));
         };
-        match accessor.type_ {
-            Checked::Valid(found) if found == wanted => {}
+        let shape = match accessor.type_ {
+            Checked::Valid(found) if wanted.is_none_or(|wanted| found == wanted) => found,
             _ => {
-                let name = if wanted == Type::Vec3 { "VEC3" } else { "SCALAR" };
+                let name = match wanted {
+                    Some(Type::Vec3) => "VEC3",
+                    Some(_) => "SCALAR",
+                    None => "one of SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 and MAT4",
+                };
                 return Err(ParseError::json(format!("{path}.type"), format!("must be {name} for {from}")));
             }
-        }
+        };
         let component = component.0;
-        let size = component.size() * wanted.multiplicity();
+        let size = element_size(component, shape);
         let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
         let count_path = format!("{path}.count");
         let elements = |view: Index<View>, offset, size, count, path: &str, count_path: &str| {
@@ -133,14 +188,38 @@ impl<'a> Accessors<'a> {
                     ParseError::json(count_path, what)
                 })?,
         };
-        Ok(Array { path, component, normalized: accessor.normalized, count, base, sparse })
+        Ok(Array { path, component, normalized: accessor.normalized, count, size, base, sparse })
     }
 }
 
-impl Array<'_> {
+impl<'b> Array<'b> {
     /// Number of elements.
     pub(super) fn len(&self) -> usize {
         self.count
+    }
+
+    /// Bytes of one element.
+    pub(super) fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The bytes of all elements, to be looked up by number.
+    pub(super) fn raw(self) -> Result<Raw<'b>, ParseError> {
+        let mut replaced = Vec::new();
+        if let Some((places, values)) = self.sparse {
+            for i in 0..places.len() {
+                let place = places.get(i);
+                if place as usize >= self.count {
+                    let what = format!("replaces element {place}, but the accessor has only {}", self.count);
+                    return Err(ParseError::json(format!("{}.sparse.indices", self.path), what));
+                }
+                replaced.push((place, i));
+            }
+            // Stable, so that of several replacements the last comes last.
+            replaced.sort_by_key(|&(place, _)| place);
+            return Ok(Raw { zero: vec![0; self.size], base: self.base, replaced, values: Some(values) });
+        }
+        Ok(Raw { zero: vec![0; self.size], base: self.base, replaced, values: None })
     }
 
     /// Decodes all elements of a vector array onto the end of `out`.

@@ -155,6 +155,17 @@ impl<'a> Buffers<'a> {
         })
     }
 
+    /// The bytes of a buffer, for a copy of the whole; `None` for one that only stands for what a
+    /// compressed view decodes to.
+    pub(super) fn whole(&self, index: usize) -> Result<Option<&[u8]>, ParseError> {
+        let Some(buffer) = self.buffers.get(index) else { return Ok(None) };
+        let is_placeholder = buffer.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others));
+        if is_placeholder && buffer.uri.is_none() {
+            return Ok(None);
+        }
+        self.data(Index::new(index as u32), 0).map(Some)
+    }
+
     /// All bytes of a buffer, loaded on the first call.
     fn data(&self, index: Index<Buffer>, view: usize) -> Result<&[u8], ParseError> {
         let index = index.value();
@@ -191,7 +202,7 @@ fn meshopt_error(path: String) -> ParseError {
 }
 
 /// The bytes behind a URI, or why there are none.
-fn load<'a>(uri: &'a str, folder: Option<&Path>) -> Result<Cow<'a, [u8]>, String> {
+pub(super) fn load<'a>(uri: &'a str, folder: Option<&Path>) -> Result<Cow<'a, [u8]>, String> {
     match uri.get(..5) {
         Some(scheme) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(&uri[5..]),
         _ => read_external(uri, folder).map(Cow::Owned),

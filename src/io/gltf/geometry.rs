@@ -2,7 +2,7 @@
 
 use super::accessor::Accessors;
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note};
+use crate::soup::{Group, MAX_FACES, Note, PrimitiveFaces};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::{Accessor, Index, Mesh, validation::Checked};
 use serde::Deserialize;
@@ -35,6 +35,8 @@ pub(super) struct Geometry<'a> {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) bodies: Vec<Group>,
     pub(super) groups: Vec<Group>,
+    /// Where each group stands in the document.
+    pub(super) primitives: Vec<PrimitiveFaces>,
     pub(super) notes: Vec<Note>,
     /// How many primitives are points or lines, and the path of the first.
     pub(super) skipped: Option<(usize, String)>,
@@ -49,6 +51,7 @@ impl<'a> Geometry<'a> {
             triangles: Vec::new(),
             bodies: Vec::new(),
             groups: Vec::new(),
+            primitives: Vec::new(),
             notes,
             skipped: None,
         }
@@ -60,7 +63,14 @@ impl<'a> Geometry<'a> {
         // Where the positions of an accessor start: primitives that share them share vertices.
         let mut offsets = HashMap::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let before = self.groups.len();
             self.add_primitive(&format!("meshes[{index}].primitives[{p}]"), primitive, &mut offsets)?;
+            let added = self.groups.get(before);
+            self.primitives.extend(added.map(|group| PrimitiveFaces {
+                mesh: index,
+                primitive: p,
+                faces: group.faces.clone(),
+            }));
         }
         if self.triangles.len() == first_face {
             self.positions.truncate(first_position);
@@ -170,6 +180,25 @@ pub(super) fn surface_mode(primitive: &Primitive) -> Option<Mode> {
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => Some(mode),
         _ => None,
     }
+}
+
+/// The triangles of a primitive of `count` vertices, as the reader found them.
+pub(super) fn corners_of(
+    accessors: &Accessors<'_>,
+    primitive: &Primitive,
+    path: &str,
+    count: u32,
+) -> Result<Vec<[u32; 3]>, ParseError> {
+    let mut triangles = Vec::new();
+    let Some(mode) = surface_mode(primitive) else { return Ok(triangles) };
+    match primitive.indices {
+        None => assemble(mode, count as usize, number, &(0..count), &mut triangles),
+        Some(indices) => {
+            let indices = accessors.indices(indices, &format!("{path}.indices"))?;
+            assemble(mode, indices.len(), |i| indices.get(i), &(0..count), &mut triangles)
+        }
+    };
+    Ok(triangles)
 }
 
 /// The most faces that so many corners can make.

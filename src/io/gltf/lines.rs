@@ -2,7 +2,7 @@
 //!
 //! Always a file of their own: MeshLab takes lines in a file with triangles for triangles.
 
-use super::layout::{check_glb_length, empty_document};
+use super::layout::check_glb_length;
 use super::write::write_chunks;
 use crate::annotation::Space;
 use crate::color::linear_factor;
@@ -15,6 +15,7 @@ use json::Index;
 use json::accessor::{ComponentType, GenericComponentType, Type};
 use json::validation::{Checked, USize64};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// What a line file shows and where.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
     let translation = scene.space.point(scene.origin).as_vec3();
     let remainder = scene.space.point(scene.origin) - translation.as_dvec3();
     let mut bin: Vec<u8> = Vec::new();
+    // Values of lines go into a view of their own: elements of a view are of one size.
+    let mut scalar_bytes: Vec<u8> = Vec::new();
     let mut root = empty_document();
     let extras = serde_json::value::to_raw_value(&scene.extras).ok();
     for layer in scene.layers {
@@ -55,13 +58,24 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
             ..Default::default()
         });
         let mut primitives = Vec::with_capacity(strips.len());
+        let single = matches!(strips.as_slice(), [(json::mesh::Mode::Lines, _)]);
         for (mode, points) in strips {
             let stored: Vec<[f32; 3]> =
                 points.iter().map(|&p| (scene.space.point(p) + remainder).as_vec3().to_array()).collect();
             let position = root.push(accessor(&stored, bin.len() as u64));
             bin.extend(stored.as_flattened().iter().flat_map(|c| c.to_le_bytes()));
+            let mut attributes: BTreeMap<_, _> = [(Checked::Valid(json::mesh::Semantic::Positions), position)].into();
+            for (name, dimension, values) in layer.values.iter().filter(|_| single) {
+                let factor = scene.space.factor(*dimension);
+                let drawn = layer.lines.iter().zip(values).filter(|(line, _)| line.points.len() > 1);
+                let stored: Vec<f32> = drawn.flat_map(|(_, &value)| [(value * factor) as f32; 2]).collect();
+                let semantic = json::mesh::Semantic::Extras(name.trim_start_matches('_').to_owned());
+                attributes
+                    .insert(Checked::Valid(semantic), root.push(scalars(stored.len(), scalar_bytes.len() as u64)));
+                scalar_bytes.extend(stored.iter().flat_map(|c| c.to_le_bytes()));
+            }
             primitives.push(json::mesh::Primitive {
-                attributes: [(Checked::Valid(json::mesh::Semantic::Positions), position)].into(),
+                attributes,
                 extensions: None,
                 extras: None,
                 indices: None,
@@ -85,25 +99,53 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
         });
     }
     if !bin.is_empty() {
-        let byte_length = USize64(bin.len() as u64);
+        let byte_length = USize64((bin.len() + scalar_bytes.len()) as u64);
         root.buffers.push(json::Buffer { byte_length, name: None, uri: None, extensions: None, extras: None });
+        let users = |view: u32| root.accessors.iter().filter(|a| a.buffer_view == Some(Index::new(view))).count();
+        let shared = [users(0) > 1, users(1) > 1];
+        let byte_length = USize64(bin.len() as u64);
         root.buffer_views.push(json::buffer::View {
             buffer: Index::new(0),
             byte_length,
             byte_offset: None,
             // Required where several accessors share a view, and of no use to a single one.
-            byte_stride: (root.accessors.len() > 1).then_some(json::buffer::Stride(12)),
+            byte_stride: shared[0].then_some(json::buffer::Stride(12)),
             name: None,
             target: Some(Checked::Valid(json::buffer::Target::ArrayBuffer)),
             extensions: None,
             extras: None,
         });
+        if !scalar_bytes.is_empty() {
+            root.buffer_views.push(json::buffer::View {
+                buffer: Index::new(0),
+                byte_length: USize64(scalar_bytes.len() as u64),
+                byte_offset: Some(byte_length),
+                byte_stride: shared[1].then_some(json::buffer::Stride(4)),
+                name: None,
+                target: Some(Checked::Valid(json::buffer::Target::ArrayBuffer)),
+                extensions: None,
+                extras: None,
+            });
+        }
     }
+    bin.extend(scalar_bytes);
     let nodes = (0..root.nodes.len() as u32).map(Index::new).collect();
     root.scene = Some(root.push(json::Scene { extensions: None, extras: None, name: None, nodes }));
     let document = root.to_vec().unwrap_or_default();
     check_glb_length((document.len() + bin.len()) as u64)?;
     write_chunks(document, bin.len() as u64, out, |out| std::io::Write::write_all(out, &bin))
+}
+
+/// A document that says who made it.
+fn empty_document() -> json::Root {
+    json::Root {
+        asset: json::Asset {
+            generator: Some(format!("osculate {}", env!("CARGO_PKG_VERSION"))),
+            version: "2.0".into(),
+            ..Default::default()
+        },
+        ..Default::default()
+    }
 }
 
 /// How polylines are drawn: single segments in one list, others each for itself.
@@ -115,6 +157,24 @@ fn strips(lines: &[Polyline]) -> Vec<(json::mesh::Mode, Vec<DVec3>)> {
         return if points.is_empty() { Vec::new() } else { vec![(Mode::Lines, points)] };
     }
     drawn().map(|line| (if line.closed { Mode::LineLoop } else { Mode::LineStrip }, line.points.clone())).collect()
+}
+
+/// Numbers of lines, in the second view.
+fn scalars(count: usize, offset: u64) -> json::Accessor {
+    json::Accessor {
+        buffer_view: Some(Index::new(1)),
+        byte_offset: Some(USize64(offset)),
+        count: USize64(count as u64),
+        component_type: Checked::Valid(GenericComponentType(ComponentType::F32)),
+        extensions: None,
+        extras: None,
+        type_: Checked::Valid(Type::Scalar),
+        min: None,
+        max: None,
+        name: None,
+        normalized: false,
+        sparse: None,
+    }
 }
 
 fn accessor(points: &[[f32; 3]], offset: u64) -> json::Accessor {

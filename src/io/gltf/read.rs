@@ -34,23 +34,23 @@ const HARMLESS: [&str; 9] = [
 /// scene without nodes, which the specification allows.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Document {
+pub(super) struct Document {
     asset: Asset,
     #[serde(default)]
-    accessors: Vec<Accessor>,
+    pub(super) accessors: Vec<Accessor>,
     #[serde(default)]
-    buffers: Vec<Buffer>,
+    pub(super) buffers: Vec<Buffer>,
     #[serde(default)]
-    buffer_views: Vec<View>,
+    pub(super) buffer_views: Vec<View>,
     /// Not looked into but for the files they name.
     #[serde(default)]
     images: serde_json::Value,
     #[serde(default)]
-    extensions_required: Vec<String>,
+    pub(super) extensions_required: Vec<String>,
     #[serde(default)]
     materials: Vec<Material>,
     #[serde(default)]
-    meshes: Vec<Mesh>,
+    pub(super) meshes: Vec<Mesh>,
     #[serde(default)]
     nodes: Vec<gltf_json::Node>,
     scene: Option<usize>,
@@ -84,7 +84,8 @@ pub(in crate::io) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup, P
     if geometry.triangles.is_empty() {
         return Err(ParseError::file(format!("there are no triangles: {}", why_empty(&document))));
     }
-    let scene = read_scene(&document.nodes, &document.scenes, document.scene, &bodies, &mut geometry.notes)?;
+    let mut scene = read_scene(&document.nodes, &document.scenes, document.scene, &bodies, &mut geometry.notes)?;
+    scene.primitives = std::mem::take(&mut geometry.primitives);
     note_the_rest(&document, &bodies, &mut geometry);
     Ok(Soup {
         positions: Positions::F32(geometry.positions),
@@ -105,7 +106,7 @@ fn named_files(document: &Document, folder: &Path) -> Vec<PathBuf> {
     relative.filter_map(|uri| Some(folder.join(&*percent_decode_str(uri).decode_utf8().ok()?))).collect()
 }
 
-fn parse(json: &[u8], whose: &str) -> Result<Document, ParseError> {
+pub(super) fn parse(json: &[u8], whose: &str) -> Result<Document, ParseError> {
     serde_json::from_slice(json).map_err(|error| {
         /// A version 1 document fails on its shape first, which would be a riddle to its owner.
         #[derive(Deserialize)]
@@ -146,6 +147,11 @@ fn why_empty(document: &Document) -> &'static str {
     }
 }
 
+/// True when compressed views have no other content to fall back on.
+pub(super) fn requires_meshopt(required: &[String]) -> bool {
+    required.iter().any(|name| MESHOPT.contains(&name.as_str()))
+}
+
 /// Refuses what makes the geometry unreadable and tells whether meshopt is required.
 fn check_extensions(required: &[String], notes: &mut Vec<Note>) -> Result<bool, ParseError> {
     let mut meshopt = false;
@@ -182,7 +188,7 @@ fn note_the_rest(document: &Document, bodies: &[Option<usize>], geometry: &mut G
 pub(super) mod tests {
     use super::super::container::tests::glb_of;
     use super::*;
-    use crate::soup::{Group, Scene};
+    use crate::soup::{Group, PrimitiveFaces, Scene};
     use serde_json::{Value, json};
 
     const CORNERS: [[f32; 3]; 5] =
@@ -237,7 +243,8 @@ pub(super) mod tests {
         assert_eq!(soup.bodies, [Group { name: String::new(), faces: 0..2 }]);
         assert_eq!(soup.groups, soup.bodies);
         assert!(soup.notes.is_empty());
-        assert_eq!(soup.scene, Some(Scene::default()));
+        let primitives = vec![PrimitiveFaces { mesh: 0, primitive: 0, faces: 0..2 }];
+        assert_eq!(soup.scene, Some(Scene { primitives, ..Scene::default() }));
     }
 
     #[test]

@@ -86,7 +86,7 @@ pub(super) fn read_scene(
             roots
         }
     };
-    Ok(Scene { nodes, roots })
+    Ok(Scene { nodes, roots, ..Scene::default() })
 }
 
 /// The nodes that the default scene lists, each once.

@@ -1,44 +1,84 @@
-//! glTF 2.0 in layout `faces`: three own vertices per face, so that each can carry its face's values.
+//! glTF files of an annotation: one binary file, a document with files beside it, or one that holds all.
 //!
-//! Every choice here is one that Blender, MeshLab and web viewers were seen to take (docs/decisions.md):
-//! all attributes SCALAR FLOAT, no normals, no indices, the colours in a palette texture.
+//! Every choice of what is in them is one that Blender, MeshLab and web viewers were seen to take
+//! (docs/decisions.md): all attributes SCALAR FLOAT, the colours in a palette texture; a mesh that does
+//! not come from glTF has three vertices of its own for each face, no normals and no indices.
 
-use super::layout::{Layout, Stream, check_glb_length};
-use crate::annotation::{Annotation, ColorCarrier};
-use crate::color::{PALETTE, Rgb, linear};
+use super::accessor::Accessors;
+use super::document::{Document, build, prepare};
+use super::draft::{Packed, Piece};
+use super::layout::check_glb_length;
+use super::opened::Opened;
+use crate::annotation::Annotation;
 use crate::error::Error;
-use crate::io::blocks::in_blocks;
 use crate::io::output::Output;
-use crate::mesh::Face;
 use crate::progress::Progress;
+use crate::soup::{Note, Scene};
 use base64::Engine;
-use glam::DVec3;
+use serde_json::Value;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-/// Rows of the palette image: clients that are off by a row still hit the right colour.
-const PALETTE_ROWS: usize = 4;
 
 /// A buffer of a `.gltf` ends before this many bytes: browsers hold no more in one piece.
 const LARGEST_BUFFER: u64 = 1 << 31;
 
+/// Looks at an original before any work is done: what stands in the way of carrying it over is an
+/// error, what is to be said of it a note.
+///
+/// # Errors
+/// [`Error::Parse`] with the place.
+pub(in crate::io) fn check_original(scene: &Scene, force: bool) -> Result<Vec<Note>, Error> {
+    let mut notes = Vec::new();
+    if let Some(opened) = Opened::new(scene)? {
+        let accessors = opened.accessors();
+        prepare(&opened, &accessors, force, &mut notes)?;
+        for buffer in 0..opened.document.buffers.len() {
+            accessors.buffers().whole(buffer).map_err(|e| opened.error(e))?;
+        }
+    }
+    Ok(notes)
+}
+
+/// Calls `write` with the original of an annotation, where it has one.
+fn with_original<T>(
+    annotation: &Annotation<'_>,
+    write: impl FnOnce(Option<(&Opened<'_>, &Accessors<'_>)>) -> Result<T, Error>,
+) -> Result<T, Error> {
+    match annotation.mesh.scene().map(Opened::new).transpose()?.flatten() {
+        Some(opened) => {
+            let accessors = opened.accessors();
+            write(Some((&opened, &accessors)))
+        }
+        None => write(None),
+    }
+}
+
+fn pack<'a>(
+    document: Document<'a>,
+    original: Option<(&'a Opened<'_>, &'a Accessors<'_>)>,
+    limit: u64,
+) -> Result<Packed<'a>, Error> {
+    let packed = document.draft.pack(original.map(|(_, accessors)| accessors.buffers()), limit);
+    packed.map_err(|e| match original {
+        Some((opened, _)) => opened.error(e),
+        None => Error::parse(Path::new("the input"), e),
+    })
+}
+
 /// Writes a binary glTF file.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::TooLarge`] past 4 GiB, the most that a GLB can hold.
+/// [`Error::Io`]; [`Error::TooLarge`] past 4 GiB, the most that a GLB can hold; [`Error::Parse`] where an
+/// original cannot be carried over.
 pub(in crate::io) fn write_glb(
     annotation: &Annotation<'_>,
     out: &mut Output,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
-    let image = palette_png(annotation);
-    let layout = Layout::new(annotation, image.as_deref(), u64::MAX);
-    let json = layout.document(annotation, &|_| None);
-    write_chunks(json, layout.byte_length(), out, |out| {
-        layout
-            .buffers()
-            .flatten()
-            .try_for_each(|stream| write_stream(annotation, stream, image.as_deref(), out, progress))
+    with_original(annotation, |original| {
+        let packed = pack(build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
+        let length = packed.byte_length(0);
+        write_chunks(to_json(&packed.root), length, out, |out| packed.write(0, annotation, out, progress))
     })
 }
 
@@ -75,70 +115,113 @@ pub(super) fn write_chunks(
     write(out).map_err(|e| out.error(e))
 }
 
-/// The files that a `.gltf` of so many faces consists of, and perhaps a buffer more.
-pub(in crate::io) fn files_beside(path: &Path, faces: usize) -> Vec<PathBuf> {
-    // No face takes more than 400 bytes: 17 values and colours in three corners.
-    let buffers = 1 + (400 * faces as u64 / LARGEST_BUFFER) as usize;
-    let beside = (0..buffers).map(External::Buffer).chain([External::Image]);
+/// The files that a `.gltf` of so many faces and colour scales may consist of.
+pub(in crate::io) fn files_beside(path: &Path, faces: usize, scales: usize) -> Vec<PathBuf> {
+    // No face takes more than 400 bytes: 17 values and colours in three corners. What an original has
+    // besides would have to be huge to fill one buffer more.
+    let buffers = 2 + (400 * faces as u64 / LARGEST_BUFFER) as usize;
+    let beside = (0..buffers).map(External::Buffer).chain((0..scales).map(External::Image));
     std::iter::once(path.to_path_buf()).chain(beside.map(|file| path.with_file_name(file.name(path)))).collect()
 }
 
 /// Writes a `.gltf` file, its buffer `name.bin` and its palette `name.png` beside it.
 ///
 /// # Errors
-/// [`Error::Io`]. All files are complete before the first is put in its place; the `.gltf` itself comes
-/// last, so that it never names a file that is not there.
+/// [`Error::Io`]; [`Error::Parse`] where an original cannot be carried over. All files are complete before
+/// the first is put in its place; the `.gltf` itself comes last, so that it never names a file that is
+/// not there.
 pub(in crate::io) fn write_gltf(
     annotation: &Annotation<'_>,
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
-    let image = palette_png(annotation);
-    // The image is a file of its own: MeshLab can then save it again.
-    let layout = Layout::new(annotation, None, LARGEST_BUFFER);
-    let mut finished = Vec::new();
-    for (n, streams) in layout.buffers().enumerate() {
-        let mut buffer = Output::create(&path.with_file_name(External::Buffer(n).name(path)))?;
-        for stream in streams {
-            write_stream(annotation, stream, None, &mut buffer, progress).map_err(|e| buffer.error(e))?;
+    with_original(annotation, |original| {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let keep = original.is_some_and(|(opened, _)| opened.is_in(folder));
+        // Palettes are files of their own: MeshLab can then save them again.
+        let uri = |file: External| percent_encode(&file.name(path));
+        let document = build(annotation, original, keep, &|image| Some(uri(External::Image(image))))?;
+        let mut finished = Vec::new();
+        for n in 0..document.looks.image_count() {
+            let mut file = Output::create(&path.with_file_name(External::Image(n).name(path)))?;
+            file.write_all(&document.looks.png(n)).map_err(|e| file.error(e))?;
+            finished.push(file);
         }
-        finished.push(buffer);
-    }
-    if let Some(image) = &image {
-        let mut file = Output::create(&path.with_file_name(External::Image.name(path)))?;
-        file.write_all(image).map_err(|e| file.error(e))?;
-        finished.push(file);
-    }
-    let json = layout.document(annotation, &|file| Some(percent_encode(&file.name(path))));
-    let mut document = Output::create(path)?;
-    document.write_all(&json).map_err(|e| document.error(e))?;
-    finished.push(document);
-    finished.into_iter().try_for_each(Output::finish)
+        let mut packed = pack(document, original, LARGEST_BUFFER)?;
+        for n in 0..packed.buffers.len() {
+            let mut buffer = Output::create(&path.with_file_name(External::Buffer(n).name(path)))?;
+            packed.write(n, annotation, &mut buffer, progress).map_err(|e| buffer.error(e))?;
+            packed.name_buffer(n, uri(External::Buffer(n)));
+            finished.push(buffer);
+        }
+        let mut document = Output::create(path)?;
+        document.write_all(&to_json(&packed.root)).map_err(|e| document.error(e))?;
+        finished.push(document);
+        finished.into_iter().try_for_each(Output::finish)
+    })
 }
 
-/// Writes a `.gltf` document that holds its buffer and image as data URIs, for a stream.
+/// Writes a `.gltf` document that holds its buffer and images as data URIs, for a stream.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`Error::Io`]; [`Error::Parse`] where an original cannot be carried over.
 pub(in crate::io) fn write_embedded(
     annotation: &Annotation<'_>,
     out: &mut Output,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
-    let image = palette_png(annotation);
-    let layout = Layout::new(annotation, None, u64::MAX);
-    let mut buffer = Vec::new();
-    for stream in layout.buffers().flatten() {
-        write_stream(annotation, stream, None, &mut buffer, progress).map_err(|e| out.error(e))?;
+    with_original(annotation, |original| {
+        let mut packed = pack(build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
+        for n in 0..packed.buffers.len() {
+            let mut buffer = Vec::new();
+            packed.write(n, annotation, &mut buffer, progress).map_err(|e| out.error(e))?;
+            let content = base64::engine::general_purpose::STANDARD.encode(&buffer);
+            packed.name_buffer(n, format!("data:application/octet-stream;base64,{content}"));
+        }
+        out.write_all(&to_json(&packed.root)).map_err(|e| out.error(e))
+    })
+}
+
+impl Packed<'_> {
+    /// Bytes of a buffer, padding between its pieces included.
+    fn byte_length(&self, buffer: usize) -> u64 {
+        let length = self.root.get("buffers").and_then(|buffers| buffers.get(buffer)?.get("byteLength")?.as_u64());
+        length.filter(|_| buffer < self.buffers.len()).unwrap_or(0)
     }
-    let data = |kind: &str, bytes: &[u8]| {
-        format!("data:{kind};base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes))
-    };
-    let json = layout.document(annotation, &|file| match file {
-        External::Buffer(_) => Some(data("application/octet-stream", &buffer)),
-        External::Image => image.as_ref().map(|image| data("image/png", image)),
-    });
-    out.write_all(&json).map_err(|e| out.error(e))
+
+    fn write(
+        &self,
+        buffer: usize,
+        annotation: &Annotation<'_>,
+        out: &mut dyn Write,
+        progress: &dyn Progress,
+    ) -> io::Result<()> {
+        let Some(pieces) = self.buffers.get(buffer) else { return Ok(()) };
+        let mut written: u64 = 0;
+        for piece in &self.pieces[pieces.clone()] {
+            let gap = written.next_multiple_of(super::draft::ALIGNMENT) - written;
+            out.write_all(&[0; super::draft::ALIGNMENT as usize][..gap as usize])?;
+            match piece {
+                Piece::Given(bytes) => out.write_all(bytes)?,
+                Piece::Bytes(bytes) => out.write_all(bytes)?,
+                Piece::Stream(stream) => stream.write(annotation, out, progress)?,
+            }
+            written += gap + piece.len();
+        }
+        Ok(())
+    }
+
+    fn name_buffer(&mut self, buffer: usize, uri: String) {
+        let buffers = self.root.get_mut("buffers");
+        if let Some(buffer) = buffers.and_then(|buffers| buffers.get_mut(buffer)?.as_object_mut()) {
+            buffer.insert("uri".into(), uri.into());
+        }
+    }
+}
+
+/// A document as text. Every part of it is a number, a string or a list of them: nothing can fail.
+fn to_json(root: &serde_json::Map<String, Value>) -> Vec<u8> {
+    serde_json::to_vec(root).unwrap_or_default()
 }
 
 /// A file name as a relative URI.
@@ -150,11 +233,11 @@ fn percent_encode(name: &str) -> String {
 
 /// What a document may name outside itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum External {
+enum External {
     /// A buffer, by number.
     Buffer(usize),
-    /// The palette image.
-    Image,
+    /// A palette image, by number.
+    Image(usize),
 }
 
 impl External {
@@ -164,96 +247,8 @@ impl External {
         match self {
             External::Buffer(0) => format!("{stem}.bin"),
             External::Buffer(n) => format!("{stem}-{n}.bin"),
-            External::Image => format!("{stem}.png"),
+            External::Image(0) => format!("{stem}.png"),
+            External::Image(n) => format!("{stem}-{n}.png"),
         }
     }
-}
-
-/// A corner in the output's space, as stored. `remainder` is what the node's translation leaves over.
-pub(super) fn corner(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32; 3] {
-    let clamp = |c: f64| c.clamp(f32::MIN.into(), f32::MAX.into()) as f32;
-    (annotation.space.point(p) + remainder).to_array().map(clamp)
-}
-
-/// Writes what one buffer view holds.
-fn write_stream(
-    annotation: &Annotation<'_>,
-    stream: &Stream,
-    image: Option<&[u8]>,
-    out: &mut dyn Write,
-    progress: &dyn Progress,
-) -> io::Result<()> {
-    let first = stream.faces().start;
-    let per_face = |out: &mut dyn Write, format: &(dyn Fn(Face, &mut Vec<u8>) + Sync)| {
-        in_blocks(stream.faces().len(), out, progress, |faces, bytes| {
-            for f in faces {
-                format(Face(first + f), bytes);
-            }
-        })
-    };
-    match stream {
-        Stream::Position { .. } => {
-            let remainder = annotation.translation_remainder();
-            per_face(out, &|face, bytes| {
-                for p in annotation.finite_triangle(face) {
-                    for c in corner(annotation, remainder, p) {
-                        bytes.extend(c.to_le_bytes());
-                    }
-                }
-            })
-        }
-        Stream::Value { quantity, component, .. } => {
-            let factor = annotation.space.factor(quantity.dimension());
-            per_face(out, &|face, bytes| {
-                let value = &annotation.values[face.index()];
-                let stored = match annotation.turned(*quantity, value) {
-                    Some(direction) => direction[*component],
-                    None => quantity.stored(face, value, *component, factor),
-                };
-                let stored = stored.to_le_bytes();
-                bytes.extend([stored; 3].as_flattened());
-            })
-        }
-        Stream::PaletteCoordinate { .. } => {
-            let Some(colors) = &annotation.colors else { return Ok(()) };
-            per_face(out, &|face, bytes| {
-                let index = colors.color_index(&annotation.values[face.index()]);
-                // The middle of a texel: right for any filter and however a client rounds.
-                let u = (index as f32 + 0.5) / PALETTE as f32;
-                for c in [u, 0.5].repeat(3) {
-                    bytes.extend(c.to_le_bytes());
-                }
-            })
-        }
-        Stream::VertexColor { .. } => {
-            let Some(colors) = &annotation.colors else { return Ok(()) };
-            let mut palette = colors.map.palette();
-            if annotation.carrier == ColorCarrier::Vertex {
-                palette = palette.map(|rgb: Rgb| rgb.map(linear));
-            }
-            per_face(out, &|face, bytes| {
-                let [r, g, b] = palette[colors.color_index(&annotation.values[face.index()])];
-                bytes.extend([[r, g, b, 255]; 3].as_flattened());
-            })
-        }
-        Stream::Image { .. } => out.write_all(image.unwrap_or_default()),
-    }
-}
-
-/// The palette as an sRGB PNG of several equal rows, where the annotation has a texture.
-fn palette_png(annotation: &Annotation<'_>) -> Option<Vec<u8>> {
-    let colors = annotation.colors.as_ref().filter(|_| annotation.carrier == ColorCarrier::Texture)?;
-    let row = colors.map.palette();
-    let pixels = [row; PALETTE_ROWS];
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, PALETTE as u32, PALETTE_ROWS as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let encoded = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(pixels.as_flattened().as_flattened())?;
-        writer.finish()
-    });
-    // Writing to memory with fixed dimensions has nothing that could fail.
-    encoded.is_ok().then_some(bytes)
 }

@@ -32,8 +32,16 @@ pub(in crate::io) fn write(
     for axis in ["x", "y", "z"] {
         writeln!(out, "property {coordinate} {axis}")?;
     }
+    let of_vertices: Vec<(Quantity, &[f32])> = annotation.vertex_columns().collect();
+    let shown = annotation.colors.first().and_then(|colors| of_vertices.iter().find(|(q, _)| *q == colors.quantity));
+    if shown.is_some() {
+        writeln!(out, "property float quality")?;
+    }
+    for (quantity, _) in &of_vertices {
+        writeln!(out, "property float {}", quantity.token())?;
+    }
     writeln!(out, "element face {}\nproperty list uchar int vertex_indices", mesh.face_count())?;
-    if annotation.colors.is_some() {
+    if !annotation.colors.is_empty() {
         writeln!(out, "property float quality")?;
         for channel in ["red", "green", "blue", "alpha"] {
             writeln!(out, "property uchar {channel}")?;
@@ -46,17 +54,20 @@ pub(in crate::io) fn write(
     writeln!(out, "end_header")?;
 
     in_blocks(mesh.positions().len(), out, progress, |vertices, bytes| {
-        for position in &mesh.positions()[vertices.start as usize..vertices.end as usize] {
-            for c in (*position + origin).to_array() {
+        for v in vertices.start as usize..vertices.end as usize {
+            for c in (mesh.positions()[v] + origin).to_array() {
                 if wide {
                     bytes.extend(c.to_le_bytes());
                 } else {
                     bytes.extend((c as f32).to_le_bytes());
                 }
             }
+            for (_, values) in shown.into_iter().chain(&of_vertices) {
+                bytes.extend(if values[v].is_nan() { 0.0 } else { values[v] }.to_le_bytes());
+            }
         }
     })?;
-    let palette = annotation.colors.as_ref().map(|colors| (colors, colors.map.palette()));
+    let palette = annotation.colors.first().map(|colors| (colors, colors.map.palette()));
     in_blocks(mesh.face_count(), out, progress, |faces, bytes| {
         for f in faces.map(Face) {
             let value = &annotation.values[f.index()];
