@@ -203,7 +203,8 @@ impl Chord {
         };
         let square = x * x + y * y;
         let shortened = if square > 1e-6 {
-            let inverse = Jet { value: square, first: [2.0 * x, 2.0 * y], second: [2.0, 0.0, 2.0] };
+            let inverse =
+                Jet { value: square, first: [2.0 * x, 2.0 * y], second: [2.0, 0.0, 2.0] };
             let inverse = inverse.mapped(1.0 / square, -1.0 / (square * square), 2.0 / square.powi(3));
             let steep = bent.times(bent).times(inverse);
             let left = 1.0 - steep.value;

@@ -293,7 +293,5 @@ fn load_faces(mesh: &Mesh, window: &Window, frame: Frame, out: &mut Vec<(DVec3, 
 fn is_sane(surface: &Implicit, points: &[DVec3], faces: &[(DVec3, DVec3)]) -> bool {
     let middle = surface.gradient(DVec3::ZERO);
     let least = 0.3 * middle.length();
-    middle.z > 0.0
-        && points.iter().all(|&p| surface.gradient(p).length() >= least)
-        && faces.iter().all(|&(at, normal)| surface.gradient(at).dot(normal) >= least)
+    middle.z > 0.0 && points.iter().all(|&p| surface.gradient(p).length() >= least) && faces.iter().all(|&(at, normal)| surface.gradient(at).dot(normal) >= least)
 }

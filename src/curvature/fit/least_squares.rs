@@ -73,7 +73,8 @@ impl Rows {
     /// Forms and factors the normal equations, with `prior` added to their diagonal.
     pub(super) fn factor(&self, prior: &[f64; MOST]) -> Factor {
         let width = self.width;
-        let mut f = Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
+        let mut f =
+            Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
         for i in 0..width {
             let diagonal = self.dot(i, i) + prior[i];
             f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };

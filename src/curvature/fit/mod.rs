@@ -66,17 +66,8 @@ fn quantum(mesh: &Mesh) -> f64 {
 pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceCurvature]) {
     let stars = Stars::new(mesh, false);
     let quantum = quantum(mesh);
-    let worker =
-        || Worker { mesh, stars: &stars, quantum, window: Window::new(), scratch: Scratch::new(), disk: Disk::new() };
-    let mut outcomes = vec![
-        Outcome {
-            value: FaceCurvature::NOT_ESTIMATED,
-            misfit: f32::INFINITY,
-            deviation: f64::INFINITY,
-            error: f64::INFINITY
-        };
-        out.len()
-    ];
+    let worker = || Worker { mesh, stars: &stars, quantum, window: Window::new(), scratch: Scratch::new(), disk: Disk::new() };
+    let mut outcomes = vec![Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY, deviation: f64::INFINITY, error: f64::INFINITY }; out.len()];
     outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
         for (i, out) in out.iter_mut().enumerate() {
             let face = Face((chunk * CHUNK + i) as u32);
@@ -85,12 +76,7 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
             }
             if let Some(fit) = worker.fit(face) {
                 if let Some(value) = value_of(mesh, face, &fit, options) {
-                    *out = Outcome {
-                        value,
-                        misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32,
-                        deviation: fit.misfit,
-                        error: fit.error,
-                    };
+                    *out = Outcome { value, misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32, deviation: fit.misfit, error: fit.error };
                     continue;
                 }
             }
@@ -103,28 +89,21 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
         *out = outcome.value;
     }
     let mut wanted = vec![false; out.len()];
-    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(
-        worker,
-        |worker, (chunk, (out, wanted))| {
-            for (i, (out, wanted)) in out.iter_mut().zip(wanted).enumerate() {
-                let face = Face((chunk * CHUNK + i) as u32);
-                if mesh.face_state(face) != FaceState::Sound {
-                    continue;
-                }
-                if let Some(value) = one_sided(worker, face, &outcomes, options) {
-                    *out = value;
-                    continue;
-                }
-                let o = &outcomes[face.index()];
-                let bend = f64::from(out.k_max.abs().max(out.k_min.abs()));
-                *wanted = o.deviation > 20.0 * quantum && !(o.error < 2e-3 * bend);
+    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(worker, |worker, (chunk, (out, wanted))| {
+        for (i, (out, wanted)) in out.iter_mut().zip(wanted).enumerate() {
+            let face = Face((chunk * CHUNK + i) as u32);
+            if mesh.face_state(face) != FaceState::Sound { continue; }
+            if let Some(value) = one_sided(worker, face, &outcomes, options) {
+                *out = value;
+                continue;
             }
-        },
-    );
+            let o = &outcomes[face.index()];
+            let bend = f64::from(out.k_max.abs().max(out.k_min.abs()));
+            *wanted = o.deviation > 20.0 * quantum && !(o.error < 2e-3 * bend);
+        }
+    });
     let uncertain = wanted.iter().filter(|&&w| w).count();
-    if std::env::var_os("DBG2").is_some() {
-        eprintln!("uncertain {uncertain} of {}", out.len());
-    }
+    if std::env::var_os("DBG2").is_some() { eprintln!("uncertain {uncertain} of {}", out.len()); }
     if uncertain == 0 || std::env::var_os("NONOISE").is_some() {
         return;
     }
@@ -132,9 +111,7 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
     for f in (0..mesh.face_count() as u32).map(Face) {
         if mesh.face_state(f) == FaceState::Sound {
             let area = window::oriented_area(mesh, f).as_vec3();
-            for v in mesh.topology().corners(f) {
-                normals[v.index()] += area;
-            }
+            for v in mesh.topology().corners(f) { normals[v.index()] += area; }
         }
     }
     let fixed: Option<Vec<f64>> = std::env::var("FIX").ok().map(|v| v.split(',').map(|x| x.parse().unwrap_or(0.0)).collect());
@@ -149,13 +126,8 @@ pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceC
         let Some(b) = b else { continue };
         let p = b.shape.principal();
         *out = FaceCurvature {
-            k_max: p.k_max as f32,
-            k_min: p.k_min as f32,
-            dir_max: p.dir_max.as_vec3(),
-            dir_min: p.dir_min.as_vec3(),
-            gauss_perimeter: f32::NAN,
-            radius: b.radius as f32,
-            coverage: 1.0,
+            k_max: p.k_max as f32, k_min: p.k_min as f32, dir_max: p.dir_max.as_vec3(), dir_min: p.dir_min.as_vec3(),
+            gauss_perimeter: f32::NAN, radius: b.radius as f32, coverage: 1.0,
             class: FaceClass::of(p.k_max, p.k_min, b.radius, options.class_tolerance),
         };
     }
@@ -177,19 +149,12 @@ fn value_of(mesh: &Mesh, face: Face, fit: &Fit, options: &CurvatureOptions) -> O
 }
 
 /// Faces beside a jump of curvature: a neighbour whose window lies on one side of it.
-fn one_sided(
-    worker: &mut Worker<'_>,
-    face: Face,
-    outcomes: &[Outcome],
-    options: &CurvatureOptions,
-) -> Option<FaceCurvature> {
+fn one_sided(worker: &mut Worker<'_>, face: Face, outcomes: &[Outcome], options: &CurvatureOptions) -> Option<FaceCurvature> {
     const BETTER: f32 = 0.02;
     const TRIED: usize = 16;
     let mesh = worker.mesh;
     let own = outcomes[face.index()].misfit;
-    if std::env::var_os("NOJUMP").is_some() {
-        return None;
-    }
+    if std::env::var_os("NOJUMP").is_some() { return None; }
     if mesh.face_state(face) != FaceState::Sound || own < 1e-12 {
         return None;
     }
@@ -202,24 +167,13 @@ fn one_sided(
         .faces
         .iter()
         .filter(|&&g| outcomes[g as usize].misfit <= BETTER * own)
-        .map(|&g| {
-            (
-                f64::from((outcomes[g as usize].misfit / own).max(1e-8)).log10().floor() * 1e6
-                    + mesh.barycentre(Face(g)).distance_squared(centre),
-                g,
-            )
-        })
+        .map(|&g| (f64::from((outcomes[g as usize].misfit / own).max(1e-8)).log10().floor() * 1e6 + mesh.barycentre(Face(g)).distance_squared(centre), g))
         .collect();
     others.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
     for &(_, g) in others.iter().take(TRIED) {
         let Some(fit) = worker.fit(Face(g)) else { continue };
         if lies_on(&fit, mesh.triangle(face)) {
-            if std::env::var_os("DBG").is_some() {
-                eprintln!(
-                    "face {} own {own:e} takes {g} misfit {:e} size {} unit {}",
-                    face.0, fit.misfit, fit.surface.size, fit.surface.frame.unit
-                );
-            }
+            if std::env::var_os("DBG").is_some() { eprintln!("face {} own {own:e} takes {g} misfit {:e} size {} unit {}", face.0, fit.misfit, fit.surface.size, fit.surface.frame.unit); }
             return value_of(mesh, face, &Fit { surface: fit.simple, ..fit }, options);
         }
     }

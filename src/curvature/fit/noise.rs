@@ -239,9 +239,9 @@ impl Noisy<'_> {
         };
         let draw = |f: u32| {
             let corners = mesh.triangle(Face(f));
-            let sum = corners
-                .iter()
-                .fold(0_u64, |sum, p| sum.wrapping_add(p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits()))));
+            let sum = corners.iter().fold(0_u64, |sum, p| {
+                sum.wrapping_add(p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits())))
+            });
             (mix(sum), f)
         };
         let takes_part = |f: u32| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound;
@@ -291,19 +291,12 @@ impl Noisy<'_> {
         worker.order[count - 1].0.sqrt()
     }
 
-    fn fit(
-        &self,
-        seed: Face,
-        level: usize,
-        worker: &mut Worker,
-        known: Option<super::implicit::Frame>,
-    ) -> Option<ChordFit> {
+    fn fit(&self, seed: Face, level: usize, worker: &mut Worker, known: Option<super::implicit::Frame>) -> Option<ChordFit> {
         let radius = self.gather(seed, LEVELS[level], worker);
         let (frame, rounds) = match known {
             Some(frame) => (super::implicit::Frame { unit: radius, ..frame }, 1),
             None => {
-                let normal: glam::Vec3 =
-                    worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
+                let normal: glam::Vec3 = worker.order[..worker.samples.len()].iter().map(|&(_, v)| self.normals[v as usize]).sum();
                 let frame = frame_for(self.mesh.barycentre(seed), normal.as_dvec3(), worker.samples.iter().copied())?;
                 (super::implicit::Frame { unit: radius, ..frame }, 2)
             }
@@ -360,10 +353,7 @@ impl Noisy<'_> {
             least = least.min(deviation);
             if level < 2 {
                 let reach = fit.frame.unit.powi(2) * if level == 0 { 4.0 } else { 2.0 };
-                let mut near: Vec<(f64, u32)> = worker
-                    .window
-                    .faces
-                    .iter()
+                let mut near: Vec<(f64, u32)> = worker.window.faces.iter()
                     .filter(|&&f| seed_of[f as usize] != u32::MAX)
                     .map(|&f| (self.mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
                     .filter(|n| n.0 <= reach)
