@@ -242,8 +242,8 @@ pub(crate) fn class_index(class: FaceClass) -> usize {
 /// # Errors
 /// [`Error::Usage`] with the reason.
 pub(crate) fn check(quantity: Quantity, range: Range) -> Result<(), Error> {
-    use Quantity::{Coverage, DirMax, DirMin, Face, Radius};
-    if matches!(quantity, Face | DirMax | DirMin | Radius | Coverage) {
+    use Quantity::{DirMax, DirMin, Face, Method, Radius};
+    if matches!(quantity, Face | DirMax | DirMin | Radius | Method) {
         return Err(Error::Usage(format!("faces cannot be coloured by {}", quantity.token())));
     }
     match range {

@@ -32,8 +32,12 @@ pub enum Quantity {
     DirMin,
     /// Length of the disk's legs.
     Radius,
-    /// Share of the legs that reached the radius.
+    /// Share of the legs that reached the radius, or of the window without borders.
     Coverage,
+    /// Where the values come from: a word, in CSV only.
+    Method,
+    /// How far to trust the values.
+    Confidence,
 }
 
 /// A row of the table.
@@ -49,7 +53,7 @@ struct Row {
     in_gltf: bool,
 }
 
-const TABLE: [Row; 13] = [
+const TABLE: [Row; 15] = [
     row(Quantity::Face, &["face"], &["_FACE_ID"], 0, true, true),
     row(Quantity::Class, &["class"], &["_CURVATURE_CLASS"], 0, true, true),
     row(Quantity::KMax, &["k_max"], &["_CURVATURE_MAX"], -1, true, true),
@@ -77,6 +81,8 @@ const TABLE: [Row; 13] = [
     ),
     row(Quantity::Radius, &["radius"], &["_RADIUS"], 1, true, false),
     row(Quantity::Coverage, &["coverage"], &["_COVERAGE"], 0, true, true),
+    row(Quantity::Method, &["method"], &[], 0, true, false),
+    row(Quantity::Confidence, &["confidence"], &["_CONFIDENCE"], 0, true, true),
 ];
 
 const fn row(
@@ -92,10 +98,10 @@ const fn row(
 
 impl Quantity {
     /// All quantities, in the order of CSV columns.
-    pub const ALL: [Quantity; 13] = {
-        let mut all = [Quantity::Face; 13];
+    pub const ALL: [Quantity; 15] = {
+        let mut all = [Quantity::Face; 15];
         let mut i = 0;
-        while i < 13 {
+        while i < 15 {
             all[i] = TABLE[i].quantity;
             i += 1;
         }
@@ -125,7 +131,12 @@ impl Quantity {
         self.row().columns
     }
 
-    /// Names of its glTF attributes, one for each column.
+    /// False for a quantity that is a word and no number: only CSV has it.
+    pub fn is_number(self) -> bool {
+        self != Quantity::Method
+    }
+
+    /// Names of its glTF attributes, one for each column; none for a word.
     pub fn attributes(self) -> &'static [&'static str] {
         self.row().attributes
     }
@@ -159,6 +170,8 @@ impl Quantity {
             Quantity::DirMax | Quantity::DirMin => f32::NAN,
             Quantity::Radius => of.radius,
             Quantity::Coverage => of.coverage,
+            Quantity::Method => f32::NAN,
+            Quantity::Confidence => of.confidence,
         }
     }
 
@@ -208,14 +221,19 @@ impl Selection {
         Ok(selection)
     }
 
-    /// The quantities of a CSV or PLY file, in the order of the table.
+    /// The quantities of a CSV file, in the order of the table.
     pub fn for_csv(&self) -> Vec<Quantity> {
         self.pick(|row| row.in_csv)
     }
 
+    /// The quantities of a file that holds numbers only (PLY, NPZ), in the order of the table.
+    pub fn for_tables(&self) -> Vec<Quantity> {
+        self.for_csv().into_iter().filter(|q| q.is_number()).collect()
+    }
+
     /// The quantities of a glTF file, in the order of the table.
     pub fn for_gltf(&self) -> Vec<Quantity> {
-        self.pick(|row| row.in_gltf)
+        self.pick(|row| row.in_gltf).into_iter().filter(|q| q.is_number()).collect()
     }
 
     fn pick(&self, by_default: impl Fn(&Row) -> bool) -> Vec<Quantity> {
@@ -234,7 +252,7 @@ mod tests {
             assert_eq!(quantity as usize, i);
             assert_eq!(quantity.row().quantity, quantity);
             assert_eq!(Quantity::from_token(quantity.token()), Some(quantity));
-            assert_eq!(quantity.columns().len(), quantity.attributes().len());
+            assert!(quantity.columns().len() == quantity.attributes().len() || !quantity.is_number());
         }
     }
 

@@ -76,8 +76,8 @@ impl CurvatureSummary {
         for value in values {
             *classes.entry(value.class).or_default() += 1;
         }
-        use Quantity::{Coverage, Curvedness, Gauss, GaussPerimeter, KMax, KMin, Mean, Radius, ShapeIndex};
-        let percentiles = [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage]
+        use Quantity::{Confidence, Coverage, Curvedness, Gauss, GaussPerimeter, KMax, KMin, Mean, Radius, ShapeIndex};
+        let percentiles = [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage, Confidence]
             .into_iter()
             .filter_map(|quantity| Some((quantity.token(), percentiles(quantity, values)?)))
             .collect();

@@ -1,6 +1,6 @@
 //! Values that a file already carries.
 
-use crate::curvature::{FaceClass, FaceCurvature};
+use crate::curvature::{FaceClass, FaceCurvature, Method};
 use crate::error::Error;
 use crate::mesh::{Face, Mesh};
 use glam::Vec3;
@@ -37,7 +37,8 @@ impl StoredValues {
             Some(Vec3::new(x?, y?, z?))
         };
         let [classes, k_max, k_min] = ["class", "k_max", "k_min"].map(column);
-        let [perimeters, radii, coverages] = ["gauss_perimeter", "radius", "coverage"].map(column);
+        let [perimeters, radii, coverages, confidences] =
+            ["gauss_perimeter", "radius", "coverage", "confidence"].map(column);
         let dir_max = ["dir_max_x", "dir_max_y", "dir_max_z"].map(column);
         let dir_min = ["dir_min_x", "dir_min_y", "dir_min_z"].map(column);
         let face = |f: usize| {
@@ -59,6 +60,8 @@ impl StoredValues {
                 gauss_perimeter: perimeter.unwrap_or(f32::NAN),
                 radius: at(radii, f).unwrap_or(f32::NAN),
                 coverage: at(coverages, f).unwrap_or(0.0),
+                confidence: at(confidences, f).unwrap_or(0.0),
+                method: Method::None,
                 class,
             }
         };

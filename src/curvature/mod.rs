@@ -3,6 +3,7 @@
 mod classify;
 mod euler;
 mod fit;
+mod method;
 mod options;
 mod osculating;
 mod perimeter;
@@ -11,6 +12,7 @@ mod tangent;
 mod values;
 
 pub use classify::FaceClass;
+pub use method::Method;
 pub use options::{CurvatureOptions, Estimator, Radius};
 pub use values::FaceCurvature;
 
@@ -160,6 +162,8 @@ fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &Curvatur
         gauss_perimeter: perimeter::gauss(disk).unwrap_or(f64::NAN) as f32,
         radius: disk.radius() as f32,
         coverage: disk.coverage() as f32,
+        confidence: confidence_of_sections(disk) as f32,
+        method: Method::Sections,
         class: FaceClass::of(k_max, k_min, disk.radius(), options.class_tolerance),
     }
 }
@@ -175,4 +179,9 @@ pub fn disk_at(mesh: &Mesh, place: Place, options: &CurvatureOptions) -> Result<
     let mut disk = Disk::new();
     let value = curvature_at(mesh, place.face, &frame, options, options.fixed_radius(mesh), &mut disk);
     Ok((disk, frame, value))
+}
+
+/// Sections are a few percent off where the disk is whole, and the more the less of it there is.
+fn confidence_of_sections(disk: &Disk) -> f64 {
+    0.5 * disk.coverage()
 }

@@ -1,6 +1,6 @@
 //! The values of one face.
 
-use super::FaceClass;
+use super::{FaceClass, Method};
 use glam::Vec3;
 
 /// The curvature of one face, in the input's axes and units.
@@ -20,10 +20,17 @@ pub struct FaceCurvature {
     /// Gaussian curvature from the disk's perimeter, 1/length^2; NaN where no sector of the disk
     /// is whole.
     pub gauss_perimeter: f32,
-    /// Length of the disk's legs.
+    /// Largest distance of what the values come from: length of the disk's legs, or radius of the
+    /// window.
     pub radius: f32,
-    /// Share of the legs that reached the radius, 0 to 1.
+    /// Share of the legs that reached the radius; for a window, share of its faces that have no border
+    /// and no sharp edge. 0 to 1.
     pub coverage: f32,
+    /// How far to trust the values, 0 to 1: falls as the expected error grows. Faces sorted by it are
+    /// sorted by error on average, see `docs/estimator.md`.
+    pub confidence: f32,
+    /// Where the values come from.
+    pub method: Method,
     /// Class of the face.
     pub class: FaceClass,
 }
@@ -38,6 +45,8 @@ impl FaceCurvature {
         gauss_perimeter: f32::NAN,
         radius: f32::NAN,
         coverage: 0.0,
+        confidence: 0.0,
+        method: Method::None,
         class: FaceClass::NotEstimated,
     };
 

@@ -27,6 +27,7 @@ pub(super) fn write(annotation: &Annotation<'_>, out: &mut dyn Write, progress: 
                         // Exact beyond 2^24, unlike a 32-bit float.
                         Quantity::Face => text.extend_from_slice(f.to_string().as_bytes()),
                         Quantity::Class => text.extend_from_slice(value.class.code().to_string().as_bytes()),
+                        Quantity::Method => text.extend_from_slice(value.method.name().as_bytes()),
                         _ => {
                             let number = quantity.value(Face(f), value, component);
                             if number.is_finite() {

@@ -26,7 +26,7 @@ pub(super) fn write(annotation: &Annotation<'_>, out: &mut dyn Write, progress: 
             bytes.extend(corner.0.to_le_bytes());
         }
     })?;
-    for quantity in annotation.selection.for_csv() {
+    for quantity in annotation.selection.for_tables() {
         let name = quantity.token();
         match quantity {
             Quantity::Face => archive.array(name, "<u4", &[faces], faces, |f, bytes| bytes.extend(f.to_le_bytes()))?,

@@ -299,7 +299,7 @@ fn add_values<'a>(draft: &mut Draft<'a>, target: &Target, quantities: &[Quantity
 
 /// The attribute with the values of vertices.
 pub(super) fn vertex_attribute(quantity: Quantity) -> String {
-    format!("{}_VERTEX", quantity.attributes()[0])
+    format!("{}_VERTEX", quantity.attributes().first().unwrap_or(&"_"))
 }
 
 fn add_attribute<'a>(draft: &mut Draft<'a>, stream: Stream<'a>, count: usize, component: u32, shape: &str) -> usize {

@@ -69,7 +69,7 @@ pub(super) fn strip(draft: &mut Draft<'_>) -> Primary {
 /// The names of all attributes that Osculate writes.
 pub(super) fn our_attributes() -> impl Iterator<Item = String> {
     let of_faces = Quantity::ALL.into_iter().flat_map(|q| q.attributes()).map(|&name| name.to_owned());
-    of_faces.chain(Quantity::ALL.into_iter().map(vertex_attribute))
+    of_faces.chain(Quantity::ALL.into_iter().filter(|q| q.is_number()).map(vertex_attribute))
 }
 
 /// True for an object that Osculate added or annotated.

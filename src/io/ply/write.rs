@@ -20,7 +20,7 @@ pub(in crate::io) fn write(
     let mesh = annotation.mesh;
     // Each face is a row by its place: a column of face numbers would say nothing more.
     let quantities: Vec<Quantity> =
-        annotation.selection.for_csv().into_iter().filter(|&q| q != Quantity::Face).collect();
+        annotation.selection.for_tables().into_iter().filter(|&q| q != Quantity::Face).collect();
     let origin = mesh.origin();
     let wide = origin != glam::DVec3::ZERO;
     let coordinate = if wide { "double" } else { "float" };

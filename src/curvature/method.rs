@@ -1,0 +1,34 @@
+//! How a face came by its values.
+
+/// Where the values of a face come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Method {
+    /// Nowhere: the face has no estimate, or the values were read from a file.
+    None,
+    /// Plane sections of the mesh: the paper's formulas.
+    Sections,
+    /// A surface fitted around the face itself.
+    Fit,
+    /// A surface fitted beside the face: one side of a jump of curvature.
+    OneSided,
+    /// Patches of a noisy surface, in windows of a size chosen from the data, blended.
+    Patches,
+    /// Windows of one size for the whole mesh: a surface that is rough at every scale, or a given radius.
+    Window,
+}
+
+impl Method {
+    /// The name in CSV files; empty for none.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::None => "",
+            Method::Sections => "sections",
+            Method::Fit => "fit",
+            Method::OneSided => "one_sided",
+            Method::Patches => "patches",
+            Method::Window => "window",
+        }
+    }
+}
