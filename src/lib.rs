@@ -53,7 +53,8 @@ pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use curvature::{
-    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius, disk_at, estimate, from_disk, normal_curvature,
+    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, from_disk,
+    normal_curvature,
 };
 pub use cut::cut;
 pub use disk::{Diameter, Disk, Frame, Leg};

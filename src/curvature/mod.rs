@@ -50,19 +50,18 @@ const CHUNK: usize = 4096;
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
     options.check_for(mesh)?;
     let count = mesh.face_count();
-    if options.estimator == Estimator::Auto {
-        let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
-        fit::estimate(mesh, options, &mut values);
-        return Ok(values);
-    }
     let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
     let fixed = options.fixed_radius(mesh);
     progress.begin(Stage::Estimate, count as u64);
-    values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
-        let first = (chunk * CHUNK) as u32;
-        estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
-        progress.advance(out.len() as u64);
-    });
+    if options.estimator == Estimator::Auto {
+        fit::estimate(mesh, options, |f| options.radius_of(mesh, f, fixed), progress, &mut values);
+    } else {
+        values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
+            let first = (chunk * CHUNK) as u32;
+            estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
+            progress.advance(out.len() as u64);
+        });
+    }
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];

@@ -42,6 +42,14 @@ pub(super) struct RadiusSearch {
 }
 
 impl CurvatureOptions {
+    /// The radius of a face where the user has chosen one; `fixed` is [`CurvatureOptions::fixed_radius`].
+    pub(super) fn radius_of(&self, mesh: &Mesh, face: Face, fixed: Option<f64>) -> Option<f64> {
+        match self.radius {
+            Radius::FaceFactor(factor) => Some(factor * mesh.mean_edge(face)),
+            _ => fixed,
+        }
+    }
+
     /// The radius where it is the same for all faces.
     pub(crate) fn fixed_radius(&self, mesh: &Mesh) -> Option<f64> {
         match self.radius {

@@ -59,7 +59,13 @@ impl ChordFit {
     }
 
     /// The same with a weight for each sample.
-    pub(super) fn weighted(mut frame: Frame, samples: &[DVec3], weights: &[f64], rounds: usize, rows: &mut Rows) -> Option<Self> {
+    pub(super) fn weighted(
+        mut frame: Frame,
+        samples: &[DVec3],
+        weights: &[f64],
+        rounds: usize,
+        rows: &mut Rows,
+    ) -> Option<Self> {
         let highest = (2..=4).rev().find(|&d| TERMS[d] + 3 <= samples.len())?;
         for round in 0.. {
             let last = round == rounds;
@@ -104,8 +110,7 @@ impl ChordFit {
     /// Variance of the shape tensor at the middle (its squared Frobenius norm) for samples of unit
     /// variance, 1/length^4.
     pub(super) fn tensor_variance(&self, degree: usize) -> f64 {
-        let of = |at: usize| self.factor.variance(&std::array::from_fn(|i| f64::from(i == at)), TERMS[degree]);
-        (4.0 * of(3) + 2.0 * of(4) + 4.0 * of(5)) / self.frame.unit.powi(4)
+        self.factor.tensor_variance(TERMS[degree]) / self.frame.unit.powi(4)
     }
 
     pub(super) fn surface(&self, degree: usize) -> Chord {
@@ -203,8 +208,7 @@ impl Chord {
         };
         let square = x * x + y * y;
         let shortened = if square > 1e-6 {
-            let inverse =
-                Jet { value: square, first: [2.0 * x, 2.0 * y], second: [2.0, 0.0, 2.0] };
+            let inverse = Jet { value: square, first: [2.0 * x, 2.0 * y], second: [2.0, 0.0, 2.0] };
             let inverse = inverse.mapped(1.0 / square, -1.0 / (square * square), 2.0 / square.powi(3));
             let steep = bent.times(bent).times(inverse);
             let left = 1.0 - steep.value;

@@ -12,6 +12,10 @@ pub(super) struct Fit {
     pub(super) surface: Implicit,
     /// The best surface of at most 13 terms, for faces that lie beside the window's middle.
     pub(super) simple: Implicit,
+    /// Largest distance of a sample from the middle, in file units.
+    pub(super) radius: f64,
+    /// Share of the window's faces without border or sharp edge.
+    pub(super) coverage: f64,
     /// Standard deviation of the samples about the surface of at most 13 terms, in file units.
     pub(super) misfit: f64,
     /// Standard error of the shape tensor (its Frobenius norm) that the misfit of the chosen surface
@@ -76,6 +80,8 @@ pub(super) fn fit(mesh: &Mesh, seed: Face, window: &Window, quantum: f64, scratc
     scratch.points.extend(points.map(|p| frame.to_local(p)));
     let count = scratch.points.len();
     let rounding = quantum / frame.unit;
+    let radius = scratch.points.iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt() * frame.unit;
+    let coverage = window.coverage(mesh);
     let floor = count as f64 * ((0.3 * rounding).powi(2) + 1e-26);
     let enough = |size: usize| size + 2 <= count;
     let width = SIZES.into_iter().rev().find(|&s| s <= 13 && enough(s)).unwrap_or(3);
@@ -85,7 +91,7 @@ pub(super) fn fit(mesh: &Mesh, seed: Face, window: &Window, quantum: f64, scratc
     let mut factor = factor_with_prior(rows, rounding);
     let plane = Implicit { frame, coefficients: factor.solve(3), size: 3 };
     if scratch.points.iter().all(|&p| plane.value(p).abs() <= 4.0 * rounding + 1e-14) {
-        return Some(Fit { surface: plane, simple: plane, misfit: quantum, error: 0.0 });
+        return Some(Fit { surface: plane, simple: plane, radius, coverage, misfit: quantum, error: 0.0 });
     }
     if !enough(6) {
         return None;
@@ -122,7 +128,7 @@ pub(super) fn fit(mesh: &Mesh, seed: Face, window: &Window, quantum: f64, scratc
             error = choice.error(&factor, count, floor);
         }
     }
-    Some(Fit { surface, simple: chosen.surface(frame), misfit, error: error / frame.unit })
+    Some(Fit { surface, simple: chosen.surface(frame), radius, coverage, misfit, error: error / frame.unit })
 }
 
 struct Choice {
@@ -146,8 +152,7 @@ impl Choice {
         if self.size < 6 {
             return 0.0;
         }
-        let variance = |at: usize| factor.variance(&std::array::from_fn(|i| f64::from(i == at)), self.size);
-        self.deviation(count, floor) * (4.0 * variance(3) + 2.0 * variance(4) + 4.0 * variance(5)).sqrt()
+        self.deviation(count, floor) * factor.tensor_variance(self.size).sqrt()
     }
 }
 
@@ -293,5 +298,7 @@ fn load_faces(mesh: &Mesh, window: &Window, frame: Frame, out: &mut Vec<(DVec3, 
 fn is_sane(surface: &Implicit, points: &[DVec3], faces: &[(DVec3, DVec3)]) -> bool {
     let middle = surface.gradient(DVec3::ZERO);
     let least = 0.3 * middle.length();
-    middle.z > 0.0 && points.iter().all(|&p| surface.gradient(p).length() >= least) && faces.iter().all(|&(at, normal)| surface.gradient(at).dot(normal) >= least)
+    middle.z > 0.0
+        && points.iter().all(|&p| surface.gradient(p).length() >= least)
+        && faces.iter().all(|&(at, normal)| surface.gradient(at).dot(normal) >= least)
 }

@@ -158,8 +158,7 @@ impl Implicit {
             hxy += 2.0 * c[14] * x + 2.0 * c[15] * y + 3.0 * c[18] * xx + 4.0 * c[19] * xy + 3.0 * c[20] * yy;
             hyy += 2.0 * c[15] * x + 6.0 * c[16] * y + 2.0 * c[19] * xx + 6.0 * c[20] * xy + 12.0 * c[21] * yy;
         }
-        let mut sum =
-            DMat3::from_cols(DVec3::new(hxx, hxy, hxz), DVec3::new(hxy, hyy, hyz), DVec3::new(hxz, hyz, hzz));
+        let mut sum = DMat3::from_cols(DVec3::new(hxx, hxy, hxz), DVec3::new(hxy, hyy, hyz), DVec3::new(hxz, hyz, hzz));
         if self.size > 9 {
             // s (l . p): p l' + l p' from the gradient of s, twice, and 2 (l . p) on the diagonal.
             let l = DVec3::new(c[9], c[10], c[11]);

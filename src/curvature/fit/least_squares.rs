@@ -73,8 +73,7 @@ impl Rows {
     /// Forms and factors the normal equations, with `prior` added to their diagonal.
     pub(super) fn factor(&self, prior: &[f64; MOST]) -> Factor {
         let width = self.width;
-        let mut f =
-            Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
+        let mut f = Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
         for i in 0..width {
             let diagonal = self.dot(i, i) + prior[i];
             f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
@@ -158,6 +157,13 @@ impl Factor {
             y[i] = (a[i] * self.scale[i] - sum) / self.lower[i][i];
         }
         y[..size].iter().map(|y| y * y).sum()
+    }
+
+    /// Variance of the shape tensor (its squared Frobenius norm) that x^2, xy and y^2 in columns 3 to 5
+    /// span, in units of the frame, for samples of unit variance.
+    pub(super) fn tensor_variance(&self, size: usize) -> f64 {
+        let of = |at: usize| self.variance(&std::array::from_fn(|i| f64::from(i == at)), size);
+        4.0 * of(3) + 2.0 * of(4) + 4.0 * of(5)
     }
 
     /// An upper bound, close in practice, of the least eigenvalue of the leading block, scaled to unit

@@ -1,198 +1,245 @@
 //! The default estimator: surfaces fitted to windows of vertices.
+//!
+//! 1. [`exact`]: around every face, the smallest implicit surface that explains its window. Exact on
+//!    planes, quadrics and tori on any triangulation, of high order elsewhere. Windows that carry no fit
+//!    are left to the paper's sections.
+//! 2. [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it.
+//! 3. Where fits leave errors that count, the surface is noisy: [`scale`] chooses larger windows from the
+//!    data and [`patches`] blends what they show; a surface that is rough at every scale gets one window
+//!    for all, from [`steady`].
+//!
+//! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
 mod chord;
 mod exact;
 mod implicit;
 mod least_squares;
-mod noise;
+mod one_sided;
+mod patches;
+mod samples;
+mod scale;
 mod shape;
+mod steady;
 mod window;
 
-use super::{CurvatureOptions, FaceClass, FaceCurvature};
+use super::{CurvatureOptions, FaceClass, FaceCurvature, Method};
 use crate::disk::{Disk, Frame as DiskFrame};
 use crate::mesh::{Face, FaceState, Mesh};
+use crate::progress::Progress;
 use exact::{Fit, Scratch, WANTED};
-use glam::DVec3;
+use patches::Blended;
 use rayon::prelude::*;
+use samples::{Ground, Sampler};
+use shape::Principal;
 use window::{Stars, Window};
 
+/// Faces estimated between two reports of progress; also the unit of work of a thread.
 const CHUNK: usize = 1024;
+/// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
+const GOOD: f64 = 2e-3;
+/// Misfits up to this many times the rounding of coordinates are none.
+const ROUNDING: f64 = 20.0;
 
-/// A face's value and what later passes need.
+/// A face's first value and what later passes need to know of it.
 #[derive(Clone, Copy)]
 struct Outcome {
     value: FaceCurvature,
     /// Misfit of the face's own fit in units of curvature; infinite where there is none.
     misfit: f32,
-    /// Misfit in file units.
-    deviation: f64,
-    /// Standard error of the tensor.
-    error: f64,
+    /// True where rounding does not explain the misfit.
+    is_uneven: bool,
+    /// True where the values may be far off.
+    is_doubtful: bool,
 }
 
+impl Outcome {
+    const NONE: Outcome =
+        Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY, is_uneven: false, is_doubtful: false };
+}
+
+/// What fits of single faces need; one per thread.
 struct Worker<'m> {
     mesh: &'m Mesh,
     stars: &'m Stars,
+    options: &'m CurvatureOptions,
     quantum: f64,
     window: Window,
     scratch: Scratch,
     disk: Disk,
 }
 
-impl<'m> Worker<'m> {
+/// Estimates all faces; `fixed_radius` where the user has given one.
+pub(super) fn estimate(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    radius: impl Fn(Face) -> Option<f64> + Sync,
+    progress: &dyn Progress,
+    out: &mut [FaceCurvature],
+) {
+    let stars = Stars::new(mesh, false);
+    let quantum = quantum(mesh);
+    let worker = || Worker {
+        mesh,
+        stars: &stars,
+        options,
+        quantum,
+        window: Window::new(),
+        scratch: Scratch::new(),
+        disk: Disk::new(),
+    };
+    let mut outcomes = vec![Outcome::NONE; out.len()];
+    let is_sound = |f: usize| mesh.face_state(Face(f as u32)) == FaceState::Sound;
+    outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, outcomes)| {
+        for (f, outcome) in (chunk * CHUNK..).zip(&mut *outcomes) {
+            if is_sound(f) {
+                *outcome = worker.first(Face(f as u32));
+            }
+        }
+        progress.advance(outcomes.len() as u64);
+    });
+    for (out, outcome) in out.iter_mut().zip(&outcomes) {
+        *out = outcome.value;
+    }
+    if radius(Face(0)).is_some() {
+        let ground = Ground::new(mesh, &stars, false);
+        out.par_iter_mut().enumerate().for_each_init(
+            || Sampler::new(&ground),
+            |sampler, (f, out)| {
+                let face = Face(f as u32);
+                let flat = out.k_max == 0.0 && out.k_min == 0.0;
+                let value =
+                    radius(face).filter(|_| is_sound(f) && !flat).and_then(|r| steady::within(sampler, face, r));
+                if let Some(value) = value {
+                    *out = blended_value(out, &value, Method::Window, options);
+                }
+            },
+        );
+        return;
+    }
+
+    let mut wanted: Vec<bool> = outcomes.iter().map(|o| o.is_doubtful).collect();
+    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(
+        worker,
+        |worker, (chunk, (out, wanted))| {
+            for ((f, out), wanted) in (chunk * CHUNK..).zip(out).zip(wanted) {
+                if outcomes[f].is_uneven
+                    && let Some(value) = worker.one_sided(Face(f as u32), &outcomes)
+                {
+                    (*out, *wanted) = (value, false);
+                }
+            }
+        },
+    );
+    drop(outcomes);
+    if !wanted.contains(&true) {
+        return;
+    }
+    let ground = Ground::new(mesh, &stars, false);
+    let seeds = patches::seeds(&ground, &wanted);
+    let (values, method) = if scale::is_rough(&ground, &seeds) {
+        drop(ground);
+        let stars = Stars::new(mesh, true);
+        let ground = Ground::new(mesh, &stars, true);
+        // Faces that fit by chance would stand out among the others.
+        let estimated = out.iter().filter(|v| v.is_estimated()).count();
+        if 2 * wanted.iter().filter(|w| **w).count() > estimated {
+            wanted.iter_mut().enumerate().for_each(|(f, wanted)| *wanted = is_sound(f));
+        }
+        (steady::around_vertices(&ground), Method::Window)
+    } else {
+        (scale::estimate(&ground, &seeds, &wanted), Method::Patches)
+    };
+    for ((out, value), wanted) in out.iter_mut().zip(values).zip(wanted) {
+        if let Some(value) = value.filter(|_| wanted) {
+            *out = blended_value(out, &value, method, options);
+        }
+    }
+}
+
+impl Worker<'_> {
     fn fit(&mut self, seed: Face) -> Option<Fit> {
         self.window.start(self.mesh, seed);
         self.window.grow_to(self.mesh, self.stars, false, WANTED);
         exact::fit(self.mesh, seed, &self.window, self.quantum, &mut self.scratch)
     }
+
+    /// The face's own fit, or its sections where there is none.
+    fn first(&mut self, face: Face) -> Outcome {
+        let Some((fit, value)) = self.fit(face).and_then(|fit| Some((fit, self.value_of(face, &fit, Method::Fit)?)))
+        else {
+            let sections = DiskFrame::at_barycentre(self.mesh, face)
+                .map(|frame| super::curvature_at(self.mesh, face, &frame, self.options, None, &mut self.disk));
+            return sections.map_or(Outcome::NONE, |value| Outcome { value, ..Outcome::NONE });
+        };
+        let bend = f64::from(value.k_max.abs().max(value.k_min.abs()));
+        let unit = fit.surface.frame.unit;
+        let misfit = (fit.misfit / (unit * unit)) as f32;
+        let is_good = fit.error < GOOD * bend;
+        let is_uneven = fit.misfit > ROUNDING * self.quantum;
+        Outcome { value, misfit, is_uneven, is_doubtful: is_uneven && !is_good }
+    }
+
+    /// The fit of a neighbour that lies with the face on one side of a jump of curvature.
+    fn one_sided(&mut self, face: Face, outcomes: &[Outcome]) -> Option<FaceCurvature> {
+        let mesh = self.mesh;
+        self.window.start(mesh, face);
+        self.window.grow_to(mesh, self.stars, false, WANTED);
+        self.window.add_ring(mesh, self.stars, false);
+        let misfit = |g: u32| f64::from(outcomes[g as usize].misfit);
+        let others = one_sided::candidates(mesh, mesh.barycentre(face), misfit(face.0), &self.window.faces, misfit);
+        others.into_iter().find_map(|g| {
+            let fit = self.fit(Face(g))?;
+            let beside = Fit { surface: fit.simple, ..fit };
+            one_sided::lies_on(&fit, mesh.triangle(face)).then(|| self.value_of(face, &beside, Method::OneSided))?
+        })
+    }
+
+    fn value_of(&self, face: Face, fit: &Fit, method: Method) -> Option<FaceCurvature> {
+        let principal = fit.surface.shape_at(self.mesh.barycentre(face))?.principal();
+        let confidence = confidence(&principal, fit.error, fit.radius);
+        let mut value = value_from(&principal, fit.radius, self.options);
+        (value.coverage, value.confidence, value.method) = (fit.coverage as f32, confidence as f32, method);
+        Some(value)
+    }
 }
 
-/// The rounding of the mesh's coordinates, in file units.
+/// A value from patches or windows; the coverage stays that of the face's own window.
+fn blended_value(own: &FaceCurvature, b: &Blended, method: Method, options: &CurvatureOptions) -> FaceCurvature {
+    let principal = b.shape.principal();
+    let confidence = confidence(&principal, b.error, b.radius) as f32;
+    FaceCurvature { coverage: own.coverage, confidence, method, ..value_from(&principal, b.radius, options) }
+}
+
+fn value_from(p: &Principal, radius: f64, options: &CurvatureOptions) -> FaceCurvature {
+    FaceCurvature {
+        k_max: p.k_max as f32,
+        k_min: p.k_min as f32,
+        dir_max: p.dir_max.as_vec3(),
+        dir_min: p.dir_min.as_vec3(),
+        radius: radius as f32,
+        class: FaceClass::of(p.k_max, p.k_min, radius, options.class_tolerance),
+        ..FaceCurvature::NOT_ESTIMATED
+    }
+}
+
+/// One half where the expected error is a twentieth of the curvature; for faces that hardly bend, of the
+/// curvature that turns by a fiftieth of a radian over the window.
+fn confidence(principal: &Principal, error: f64, radius: f64) -> f64 {
+    let bend = principal.k_max.abs().max(principal.k_min.abs()).max(0.02 / radius);
+    1.0 / (1.0 + error / (0.05 * bend))
+}
+
+/// The rounding of the mesh's coordinates, in file units: that of 32-bit floats where all are such.
 fn quantum(mesh: &Mesh) -> f64 {
     let origin = mesh.origin();
     let (largest, single) = mesh
         .positions()
         .par_iter()
+        .filter(|p| p.is_finite())
         .map(|&p| {
             let p = p + origin;
             (p.abs().max_element(), p.as_vec3().as_dvec3() == p)
         })
-        .filter(|(size, _)| size.is_finite())
         .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1));
     largest * if single { 6e-8 } else { 1e-16 }
-}
-
-/// Estimates all faces.
-pub(super) fn estimate(mesh: &Mesh, options: &CurvatureOptions, out: &mut [FaceCurvature]) {
-    let stars = Stars::new(mesh, false);
-    let quantum = quantum(mesh);
-    let worker = || Worker { mesh, stars: &stars, quantum, window: Window::new(), scratch: Scratch::new(), disk: Disk::new() };
-    let mut outcomes = vec![Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY, deviation: f64::INFINITY, error: f64::INFINITY }; out.len()];
-    outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
-        for (i, out) in out.iter_mut().enumerate() {
-            let face = Face((chunk * CHUNK + i) as u32);
-            if mesh.face_state(face) != FaceState::Sound {
-                continue;
-            }
-            if let Some(fit) = worker.fit(face) {
-                if let Some(value) = value_of(mesh, face, &fit, options) {
-                    *out = Outcome { value, misfit: (fit.misfit / fit.surface.frame.unit.powi(2)) as f32, deviation: fit.misfit, error: fit.error };
-                    continue;
-                }
-            }
-            if let Some(frame) = DiskFrame::at_barycentre(mesh, face) {
-                out.value = super::curvature_at(mesh, face, &frame, options, None, &mut worker.disk);
-            }
-        }
-    });
-    for (out, outcome) in out.iter_mut().zip(&outcomes) {
-        *out = outcome.value;
-    }
-    let mut wanted = vec![false; out.len()];
-    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(worker, |worker, (chunk, (out, wanted))| {
-        for (i, (out, wanted)) in out.iter_mut().zip(wanted).enumerate() {
-            let face = Face((chunk * CHUNK + i) as u32);
-            if mesh.face_state(face) != FaceState::Sound { continue; }
-            if let Some(value) = one_sided(worker, face, &outcomes, options) {
-                *out = value;
-                continue;
-            }
-            let o = &outcomes[face.index()];
-            let bend = f64::from(out.k_max.abs().max(out.k_min.abs()));
-            *wanted = o.deviation > 20.0 * quantum && !(o.error < 2e-3 * bend);
-        }
-    });
-    let uncertain = wanted.iter().filter(|&&w| w).count();
-    if std::env::var_os("DBG2").is_some() { eprintln!("uncertain {uncertain} of {}", out.len()); }
-    if uncertain == 0 || std::env::var_os("NONOISE").is_some() {
-        return;
-    }
-    let mut normals = vec![glam::Vec3::ZERO; mesh.positions().len()];
-    for f in (0..mesh.face_count() as u32).map(Face) {
-        if mesh.face_state(f) == FaceState::Sound {
-            let area = window::oriented_area(mesh, f).as_vec3();
-            for v in mesh.topology().corners(f) { normals[v.index()] += area; }
-        }
-    }
-    let fixed: Option<Vec<f64>> = std::env::var("FIX").ok().map(|v| v.split(',').map(|x| x.parse().unwrap_or(0.0)).collect());
-    let loose = fixed.is_some().then(|| Stars::new(mesh, true));
-    let noisy = noise::Noisy { mesh, stars: loose.as_ref().unwrap_or(&stars), ignore_features: fixed.is_some(), normals };
-    let blended = match fixed {
-        Some(fix) if fix.len() > 2 => noisy.at_vertices(fix[0] as usize, fix[1] as usize),
-        Some(fix) => noisy.at_scale(&vec![true; out.len()], if fix[0] < 0.0 { fix[0] } else { fix[0] * mesh.mean_edge_of_mesh() }, fix[1] as usize),
-        None => noisy.estimate(&wanted),
-    };
-    for (out, b) in out.iter_mut().zip(&blended) {
-        let Some(b) = b else { continue };
-        let p = b.shape.principal();
-        *out = FaceCurvature {
-            k_max: p.k_max as f32, k_min: p.k_min as f32, dir_max: p.dir_max.as_vec3(), dir_min: p.dir_min.as_vec3(),
-            gauss_perimeter: f32::NAN, radius: b.radius as f32, coverage: 1.0,
-            class: FaceClass::of(p.k_max, p.k_min, b.radius, options.class_tolerance),
-        };
-    }
-}
-
-fn value_of(mesh: &Mesh, face: Face, fit: &Fit, options: &CurvatureOptions) -> Option<FaceCurvature> {
-    let p = fit.surface.shape_at(mesh.barycentre(face))?.principal();
-    let radius = fit.surface.frame.unit;
-    Some(FaceCurvature {
-        k_max: p.k_max as f32,
-        k_min: p.k_min as f32,
-        dir_max: p.dir_max.as_vec3(),
-        dir_min: p.dir_min.as_vec3(),
-        gauss_perimeter: f32::NAN,
-        radius: radius as f32,
-        coverage: 1.0,
-        class: FaceClass::of(p.k_max, p.k_min, radius, options.class_tolerance),
-    })
-}
-
-/// Faces beside a jump of curvature: a neighbour whose window lies on one side of it.
-fn one_sided(worker: &mut Worker<'_>, face: Face, outcomes: &[Outcome], options: &CurvatureOptions) -> Option<FaceCurvature> {
-    const BETTER: f32 = 0.02;
-    const TRIED: usize = 16;
-    let mesh = worker.mesh;
-    let own = outcomes[face.index()].misfit;
-    if std::env::var_os("NOJUMP").is_some() { return None; }
-    if mesh.face_state(face) != FaceState::Sound || own < 1e-12 {
-        return None;
-    }
-    worker.window.start(mesh, face);
-    worker.window.grow_to(mesh, worker.stars, false, WANTED);
-    worker.window.add_ring(mesh, worker.stars, false);
-    let centre = mesh.barycentre(face);
-    let mut others: Vec<(f64, u32)> = worker
-        .window
-        .faces
-        .iter()
-        .filter(|&&g| outcomes[g as usize].misfit <= BETTER * own)
-        .map(|&g| (f64::from((outcomes[g as usize].misfit / own).max(1e-8)).log10().floor() * 1e6 + mesh.barycentre(Face(g)).distance_squared(centre), g))
-        .collect();
-    others.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    for &(_, g) in others.iter().take(TRIED) {
-        let Some(fit) = worker.fit(Face(g)) else { continue };
-        if lies_on(&fit, mesh.triangle(face)) {
-            if std::env::var_os("DBG").is_some() { eprintln!("face {} own {own:e} takes {g} misfit {:e} size {} unit {}", face.0, fit.misfit, fit.surface.size, fit.surface.frame.unit); }
-            return value_of(mesh, face, &Fit { surface: fit.simple, ..fit }, options);
-        }
-    }
-    None
-}
-
-/// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit,
-/// and no side of it from one sheet of the surface to another.
-fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
-    // Along a circle the normals at both ends lean against the chord alike.
-    const LEAN: f64 = 0.1;
-    let surface = &fit.simple;
-    let corners = triangle.map(|p| surface.frame.to_local(p));
-    let gradients = corners.map(|p| surface.gradient(p));
-    let reach = 3.0 * fit.misfit / surface.frame.unit;
-    (0..3).all(|i| {
-        let j = (i + 1) % 3;
-        let lean = (gradients[i].normalize_or_zero() + gradients[j].normalize_or_zero()).dot(corners[j] - corners[i]);
-        surface.value(corners[i]).abs() <= reach * gradients[i].length()
-            && lean.abs() <= LEAN * corners[j].distance(corners[i])
-    })
 }

@@ -38,8 +38,7 @@ mod tests {
 
     #[test]
     fn a_diagonal_tensor_has_its_entries_and_axes() {
-        let shape =
-            Shape { normal: DVec3::Z, tensor: DMat3::from_diagonal(DVec3::new(-1.0, 3.0, 0.0)) };
+        let shape = Shape { normal: DVec3::Z, tensor: DMat3::from_diagonal(DVec3::new(-1.0, 3.0, 0.0)) };
         let p = shape.principal();
         assert!((p.k_max - 3.0).abs() < 1e-12 && (p.k_min + 1.0).abs() < 1e-12);
         assert!(p.dir_max.dot(DVec3::Y).abs() > 1.0 - 1e-12 && p.dir_min.dot(DVec3::X).abs() > 1.0 - 1e-12);

@@ -3,6 +3,10 @@
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, Vertex};
 use glam::DVec3;
 
+/// Of more faces at one vertex, as in the middle of a fan, a window takes only the nearest: time for a
+/// window is bounded.
+const CROWDED: usize = 256;
+
 /// The faces at every vertex, and what is needed to tell which of them hang together.
 pub(super) struct Stars {
     ends: Vec<u32>,
@@ -153,7 +157,7 @@ impl Window {
     pub(super) fn start_at(&mut self, mesh: &Mesh, stars: &Stars, vertex: u32) {
         let Some((&first, others)) = stars.of(vertex).split_first() else { return };
         self.start(mesh, Face(first));
-        for &face in others {
+        for &face in others.iter().take(CROWDED) {
             self.add(mesh, Face(face));
         }
     }
@@ -171,8 +175,8 @@ impl Window {
         self.front = self.vertices.len();
         for at in vertices {
             let vertex = self.vertices[at];
-            if stars.divided[vertex as usize] {
-                self.add_fan(mesh, stars, Vertex(vertex), faces, ignore_features);
+            if stars.divided[vertex as usize] || stars.of(vertex).len() > CROWDED {
+                self.add_fan(mesh, Vertex(vertex), faces, ignore_features);
             } else {
                 for &face in stars.of(vertex) {
                     self.add(mesh, Face(face));
@@ -184,28 +188,26 @@ impl Window {
     }
 
     /// Adds the faces at a vertex that hang together with one of the first `known` faces.
-    fn add_fan(&mut self, mesh: &Mesh, stars: &Stars, vertex: Vertex, known: usize, ignore_features: bool) {
+    fn add_fan(&mut self, mesh: &Mesh, vertex: Vertex, known: usize, ignore_features: bool) {
         let topology = mesh.topology();
         let open = |h: HalfEdge| match mesh.edge_kind(h) {
             EdgeKind::Inner => true,
             EdgeKind::Feature => ignore_features,
             EdgeKind::Boundary | EdgeKind::NonManifold => false,
         };
-        for &start in stars.of(vertex.0) {
-            if !self.faces[..known].contains(&start) {
+        for at in 0..known {
+            let start = Face(self.faces[at]);
+            if !topology.corners(start).contains(&vertex) {
                 continue;
             }
             // Around the vertex both ways; windings may differ from face to face.
-            for first in Face(start).half_edges() {
+            for first in start.half_edges() {
                 if topology.apex(first) == vertex {
                     continue;
                 }
                 let mut h = first;
-                while open(h) {
-                    let Some(twin) = topology.twin(h) else { break };
-                    if twin.face().0 == start {
-                        break;
-                    }
+                for _ in 0..CROWDED / 2 {
+                    let Some(twin) = topology.twin(h).filter(|t| open(h) && t.face() != start) else { break };
                     self.add(mesh, twin.face());
                     // Of the other two sides the one that ends at the vertex too.
                     h = if topology.apex(twin.next()) == vertex { twin.prev() } else { twin.next() };
@@ -223,6 +225,12 @@ impl Window {
                 }
             }
         }
+    }
+
+    /// The share of the window's faces that have neither a border nor a sharp edge.
+    pub(super) fn coverage(&self, mesh: &Mesh) -> f64 {
+        let inside = |f: Face| f.half_edges().iter().all(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
+        self.faces.iter().filter(|&&f| inside(Face(f))).count() as f64 / self.faces.len() as f64
     }
 
     /// The sum of the faces' area vectors: along the mean normal.

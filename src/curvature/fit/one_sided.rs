@@ -1,0 +1,52 @@
+//! Faces beside a jump of curvature, such as the line where a fillet runs out.
+//!
+//! No smooth surface explains a window across the jump, but one explains each side. The face takes the
+//! fit of a neighbour whose window lies on its own side, as schemes for shocks take the smoother stencil
+//! (essentially non-oscillatory schemes).
+
+use super::exact::Fit;
+use crate::mesh::Mesh;
+use glam::DVec3;
+
+/// A neighbour's fit must explain its window this much better. Smooth surfaces reach a tenth by chance.
+pub(super) const BETTER: f64 = 0.02;
+/// Most neighbours tried.
+pub(super) const TRIED: usize = 16;
+
+/// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit, and
+/// no side of it from one sheet of the surface to another.
+pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
+    // Along a circle the normals at both ends lean against the chord alike.
+    const LEAN: f64 = 0.1;
+    let surface = &fit.simple;
+    let corners = triangle.map(|p| surface.frame.to_local(p));
+    let gradients = corners.map(|p| surface.gradient(p));
+    let reach = 3.0 * fit.misfit / surface.frame.unit;
+    (0..3).all(|i| {
+        let j = (i + 1) % 3;
+        let lean = (gradients[i].normalize_or_zero() + gradients[j].normalize_or_zero()).dot(corners[j] - corners[i]);
+        surface.value(corners[i]).abs() <= reach * gradients[i].length()
+            && lean.abs() <= LEAN * corners[j].distance(corners[i])
+    })
+}
+
+/// Neighbours by how well their fits explain their windows, in powers of ten, then by distance.
+pub(super) fn candidates(
+    mesh: &Mesh,
+    centre: DVec3,
+    own: f64,
+    faces: &[u32],
+    misfits: impl Fn(u32) -> f64,
+) -> Vec<u32> {
+    let mut others: Vec<(i32, f64, u32)> = faces
+        .iter()
+        .map(|&g| (misfits(g) / own, g))
+        .filter(|&(ratio, _)| ratio <= BETTER)
+        .map(|(ratio, g)| {
+            let quality = ratio.max(1e-8).log10().floor() as i32;
+            (quality, mesh.barycentre(crate::mesh::Face(g)).distance_squared(centre), g)
+        })
+        .collect();
+    others.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    others.into_iter().take(TRIED).map(|o| o.2).collect()
+}

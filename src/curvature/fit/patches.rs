@@ -1,0 +1,222 @@
+//! Surface patches around scattered seeds, blended over the faces they reach.
+//!
+//! The bias of second derivatives changes sign across a patch, so that the mean of several patches at a
+//! face is better than one around it, and steadier.
+
+use super::chord::Chord;
+use super::implicit::Implicit;
+use super::samples::Ground;
+use super::shape::Shape;
+use super::window::Window;
+use crate::mesh::{Face, FaceState};
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+/// A patch is evaluated up to this share of its window's radius.
+const REACH: f64 = 0.85;
+
+/// A fitted surface of either kind.
+#[derive(Clone, Copy)]
+pub(super) enum Surface {
+    Chord(Chord),
+    Implicit(Implicit),
+}
+
+pub(super) struct Patch {
+    pub(super) surface: Surface,
+    /// Expected error of its shape tensor, 1/length.
+    pub(super) error: f64,
+    /// Standard deviation of its samples, in file units.
+    pub(super) noise: f64,
+}
+
+/// What patches or windows say about a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blended {
+    pub(super) shape: Shape,
+    pub(super) radius: f64,
+    pub(super) error: f64,
+}
+
+impl Patch {
+    fn radius(&self) -> f64 {
+        match &self.surface {
+            Surface::Chord(chord) => chord.frame.unit,
+            Surface::Implicit(implicit) => implicit.frame.unit,
+        }
+    }
+
+    /// Height of a point over the surface and the shape there.
+    fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
+        match &self.surface {
+            Surface::Chord(chord) => chord.shape_at(point),
+            Surface::Implicit(implicit) => Some((implicit.distance(point), implicit.shape_at(point)?)),
+        }
+    }
+}
+
+/// Faces of which none shares a vertex with another: those whose number is the greatest around, where
+/// numbers are drawn from positions, so that the order of faces plays no part.
+pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
+    let mesh = ground.mesh;
+    let mix = |mut x: u64| {
+        x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
+        x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
+        x ^ (x >> 33)
+    };
+    let draw = |f: u32| {
+        let of_corner = |p: &DVec3| p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits()));
+        mix(mesh.triangle(Face(f)).iter().map(of_corner).fold(0, u64::wrapping_add))
+    };
+    let numbers: Vec<u64> =
+        (0..wanted.len() as u32).into_par_iter().map(|f| if wanted[f as usize] { draw(f) } else { 0 }).collect();
+    let rank = |f: u32| (numbers[f as usize], f);
+    (0..wanted.len() as u32)
+        .into_par_iter()
+        .filter(|&f| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound)
+        .filter(|&f| {
+            let corners = mesh.topology().corners(Face(f));
+            corners.iter().all(|v| ground.stars.of(v.0).iter().all(|&g| rank(g) <= rank(f)))
+        })
+        .map(Face)
+        .collect()
+}
+
+/// Blends the patches of the seeds over the faces that are `wanted`; `None` where none reaches.
+pub(super) fn blend(
+    ground: &Ground<'_>,
+    seeds: &[Face],
+    patches: &[Option<Patch>],
+    wanted: &[bool],
+) -> Vec<Option<Blended>> {
+    let by_face = Reached::new(ground, seeds, patches, wanted);
+    (0..wanted.len())
+        .into_par_iter()
+        .map(|f| {
+            let patches =
+                by_face.of(f).iter().filter_map(|&i| Some((seeds[i as usize], patches[i as usize].as_ref()?)));
+            blend_face(ground, Face(f as u32), patches)
+        })
+        .collect()
+}
+
+/// The patches that reach each face, in the order of their seeds.
+struct Reached {
+    ends: Vec<u32>,
+    patches: Vec<u32>,
+}
+
+impl Reached {
+    fn new(ground: &Ground<'_>, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Self {
+        let pairs: Vec<Vec<(u32, u32)>> = (0..seeds.len())
+            .into_par_iter()
+            .map_init(Window::new, |window, i| {
+                let Some(patch) = &patches[i] else { return Vec::new() };
+                let near = faces_within(ground, seeds[i], REACH * patch.radius(), window);
+                near.filter(|&f| wanted[f as usize]).map(|f| (f, i as u32)).collect()
+            })
+            .collect();
+        let mut ends = vec![0_u32; wanted.len() + 1];
+        for &(f, _) in pairs.iter().flatten() {
+            ends[f as usize + 1] += 1;
+        }
+        for f in 1..ends.len() {
+            ends[f] += ends[f - 1];
+        }
+        let mut next = ends.clone();
+        let mut reached = vec![0; pairs.iter().map(Vec::len).sum()];
+        for &(f, patch) in pairs.iter().flatten() {
+            let at = &mut next[f as usize];
+            reached[*at as usize] = patch;
+            *at += 1;
+        }
+        Reached { ends, patches: reached }
+    }
+
+    fn of(&self, face: usize) -> &[u32] {
+        &self.patches[self.ends[face] as usize..self.ends[face + 1] as usize]
+    }
+}
+
+/// The faces whose barycentres lie within a distance of a face's, and hang together with it.
+fn faces_within<'w>(
+    ground: &Ground<'_>,
+    seed: Face,
+    radius: f64,
+    window: &'w mut Window,
+) -> impl Iterator<Item = u32> + 'w {
+    let mesh = ground.mesh;
+    let centre = mesh.barycentre(seed);
+    let near = |f: u32| mesh.barycentre(Face(f)).distance_squared(centre) <= radius * radius;
+    window.start(mesh, seed);
+    loop {
+        let before = window.faces.len();
+        window.add_ring(mesh, ground.stars, ground.over_features);
+        if window.exhausted || !window.faces[before..].iter().any(|&f| near(f)) {
+            break;
+        }
+    }
+    let within: Vec<bool> = window.faces.iter().map(|&f| near(f)).collect();
+    window.faces.iter().copied().zip(within).filter_map(|(f, near)| near.then_some(f))
+}
+
+fn blend_face<'p>(
+    ground: &Ground<'_>,
+    face: Face,
+    patches: impl Iterator<Item = (Face, &'p Patch)>,
+) -> Option<Blended> {
+    let mesh = ground.mesh;
+    let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
+    let mut sum = Mean::default();
+    for (seed, patch) in patches {
+        let radius = patch.radius();
+        let x = mesh.barycentre(seed).distance_squared(centre) / (REACH * radius).powi(2);
+        let Some((height, shape)) = patch.shape_at(centre) else { continue };
+        let facing = shape.normal.dot(normal);
+        if x >= 1.0 || facing <= 0.0 {
+            continue;
+        }
+        // A face far from the surface, for its noise, is no part of it.
+        let far = height / (4.0 * patch.noise + 0.05 * radius);
+        let weight = (1.0 - x).powi(2) * facing * facing / (1.0 + far.powi(4)) / (patch.error * patch.error + 1e-300);
+        sum.add(&Blended { shape, radius, error: patch.error }, weight);
+    }
+    sum.value()
+}
+
+/// A weighted mean of shapes.
+#[derive(Default)]
+pub(super) struct Mean {
+    tensor: DMat3,
+    normal: DVec3,
+    radius: f64,
+    error: f64,
+    weight: f64,
+    any: bool,
+}
+
+impl Mean {
+    pub(super) fn add(&mut self, value: &Blended, weight: f64) {
+        // `DMat3::default` is the identity.
+        let before = if self.any { self.tensor } else { DMat3::ZERO };
+        self.tensor = before + value.shape.tensor * weight;
+        self.normal += value.shape.normal * weight;
+        self.radius += value.radius * weight;
+        self.error += value.error * weight;
+        self.weight += weight;
+        self.any = true;
+    }
+
+    pub(super) fn value(&self) -> Option<Blended> {
+        let normal = self.normal.try_normalize()?;
+        let projection = DMat3::IDENTITY - DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        let share = 1.0 / self.weight;
+        let tensor = projection * (self.tensor * share) * projection;
+        let finite = tensor.is_finite() && self.weight > 0.0;
+        finite.then(|| Blended {
+            shape: Shape { normal, tensor },
+            radius: self.radius * share,
+            error: self.error * share,
+        })
+    }
+}
