@@ -9,7 +9,7 @@
 //! moved and tilted until these are small.
 
 use super::implicit::Frame;
-use super::least_squares::{Factor, MOST, Rows};
+use super::least_squares::{Factor, Rows};
 use super::shape::Shape;
 use glam::{DMat3, DVec3};
 
@@ -78,7 +78,7 @@ impl ChordFit {
                 let root = weights.get(row).map_or(1.0, |w| w.sqrt());
                 rows.set(row, &monomials(x, y).map(|m| m * root)[..width], p.z * root);
             }
-            let factor = rows.factor(&[0.0; MOST]);
+            let factor = rows.factor();
             if last {
                 let mut residuals = [0.0; 5];
                 for d in 2..=degree {

@@ -107,15 +107,11 @@ pub(super) fn fit(mesh: &Mesh, seed: Face, window: &Window, quantum: f64, scratc
         is_sane(surface, points, faces) && surface.foot(DVec3::ZERO).is_some_and(|foot| foot.length() <= reach)
     };
 
-    let mut best: Option<Choice> = None;
     let mut steps = Steps { count: count as f64, penalty: 0.0, last: SIZES[0] };
-    for size in SIZES.into_iter().filter(|&s| s <= width) {
-        let choice = steps.judge(rows, &factor, size, count, floor);
-        if better(&choice, &best) && is_sane(&choice.surface(frame), &scratch.points, &scratch.faces) {
-            best = Some(choice);
-        }
-    }
-    let chosen = best?;
+    let sizes = SIZES.into_iter().filter(|&s| s <= width);
+    let mut choices: Vec<Choice> = sizes.map(|size| steps.judge(rows, &factor, size, count, floor)).collect();
+    choices.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    let chosen = choices.into_iter().find(|c| is_sane(&c.surface(frame), &scratch.points, &scratch.faces))?;
     let misfit = chosen.deviation(count, floor) * frame.unit;
     let mut error = chosen.error(&factor, count, floor);
     let mut surface = chosen.surface(frame);
@@ -156,10 +152,6 @@ impl Choice {
     }
 }
 
-fn better(choice: &Choice, best: &Option<Choice>) -> bool {
-    best.as_ref().is_none_or(|best| choice.cost < best.cost)
-}
-
 /// What each further size costs: the stricter of generalised cross-validation and Schwarz' criterion.
 struct Steps {
     count: f64,
@@ -190,11 +182,11 @@ pub(super) fn fill(rows: &mut Rows, points: &[DVec3], width: usize, extra: usize
 /// is strong, terms that a surface bending as this one does has no use for stay small.
 pub(super) fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
     let mut prior = [0.0; MOST];
-    let plain = rows.factor(&prior);
+    let normal = rows.normal();
     if rows.width() <= 6 {
-        return plain;
+        return normal.factor(rows.width(), &prior);
     }
-    let paraboloid = plain.solve(6);
+    let paraboloid = normal.factor(6, &prior).solve(6);
     let [a, b, c] = [paraboloid[3], paraboloid[4], paraboloid[5]];
     let bend = ((a + c).abs() + (a - c).hypot(b)).max(LEAST_BEND);
     for (column, prior) in prior.iter_mut().enumerate().skip(6) {
@@ -205,7 +197,7 @@ pub(super) fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
         };
         *prior = (noise / (0.3 * expected)).powi(2);
     }
-    rows.factor(&prior)
+    normal.factor(rows.width(), &prior)
 }
 
 /// The least height of a face.

@@ -17,6 +17,13 @@ pub(super) struct Rows {
     width: usize,
 }
 
+/// The normal equations.
+pub(super) struct Normal {
+    /// Lower triangle by rows; the right side behind the last row.
+    gram: [[f64; MOST]; MOST + 1],
+    width: usize,
+}
+
 /// The normal equations, factored.
 pub(super) struct Factor {
     /// Lower triangle by rows, of the equations scaled to unit diagonal.
@@ -60,6 +67,21 @@ impl Rows {
         &self.columns[column * self.stride..(column + 1) * self.stride]
     }
 
+    /// Scalar products of a column with four that follow each other from `b` on.
+    fn dots(&self, a: usize, b: usize) -> [f64; 4] {
+        let mut sums = [[0.0; LANES]; 4];
+        let others: [&[Lane]; 4] = std::array::from_fn(|k| self.column(b + k));
+        for (at, a) in self.column(a).iter().enumerate() {
+            for (sum, other) in sums.iter_mut().zip(others) {
+                let b = &other[at];
+                for i in 0..LANES {
+                    sum[i] += a[i] * b[i];
+                }
+            }
+        }
+        sums.map(|s| (s[0] + s[2]) + (s[1] + s[3]))
+    }
+
     fn dot(&self, a: usize, b: usize) -> f64 {
         let mut sums = [0.0; LANES];
         for (a, b) in self.column(a).iter().zip(self.column(b)) {
@@ -70,21 +92,26 @@ impl Rows {
         (sums[0] + sums[2]) + (sums[1] + sums[3])
     }
 
-    /// Forms and factors the normal equations, with `prior` added to their diagonal.
-    pub(super) fn factor(&self, prior: &[f64; MOST]) -> Factor {
-        let width = self.width;
-        let mut f = Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
-        for i in 0..width {
-            let diagonal = self.dot(i, i) + prior[i];
-            f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
-            for j in 0..i {
-                f.lower[i][j] = self.dot(i, j) * f.scale[i] * f.scale[j];
+    /// Forms the normal equations.
+    pub(super) fn normal(&self) -> Normal {
+        let mut normal = Normal { gram: [[0.0; MOST]; MOST + 1], width: self.width };
+        for (i, row) in normal.gram[..=self.width].iter_mut().enumerate() {
+            // Up to the diagonal; for the right side, all columns.
+            let end = (i + 1).min(self.width);
+            for j in (0..end).step_by(4) {
+                if j + 4 <= end {
+                    row[j..j + 4].copy_from_slice(&self.dots(i, j));
+                } else {
+                    (j..end).for_each(|j| row[j] = self.dot(i, j));
+                }
             }
-            f.lower[i][i] = 1.0 + RIDGE;
-            f.forward[i] = self.dot(i, width) * f.scale[i];
         }
-        f.decompose();
-        f
+        normal
+    }
+
+    /// Forms and factors the normal equations.
+    pub(super) fn factor(&self) -> Factor {
+        self.normal().factor(self.width, &[0.0; MOST])
     }
 
     /// The sum of squared residuals of the first `until` rows.
@@ -102,6 +129,24 @@ impl Rows {
             total += left[..parts].iter().map(|r| r * r).sum::<f64>();
         }
         total
+    }
+}
+
+impl Normal {
+    /// Factors the leading block of `width` columns, with `prior` added to the diagonal.
+    pub(super) fn factor(&self, width: usize, prior: &[f64; MOST]) -> Factor {
+        let mut f = Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
+        for i in 0..width {
+            let diagonal = self.gram[i][i] + prior[i];
+            f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
+            for j in 0..i {
+                f.lower[i][j] = self.gram[i][j] * f.scale[i] * f.scale[j];
+            }
+            f.lower[i][i] = 1.0 + RIDGE;
+            f.forward[i] = self.gram[self.width][i] * f.scale[i];
+        }
+        f.decompose();
+        f
     }
 }
 
@@ -206,7 +251,7 @@ mod tests {
     #[test]
     fn nested_models_come_from_one_factor() {
         let rows = cubic();
-        let factor = rows.factor(&[0.0; MOST]);
+        let factor = rows.factor();
         let full = factor.solve(4);
         for (got, wanted) in full.iter().zip([2.0, -3.0, 0.0, 1.0]) {
             assert!((got - wanted).abs() < 1e-8, "{full:?}");
@@ -220,7 +265,7 @@ mod tests {
 
     #[test]
     fn variances_are_those_of_the_textbook() {
-        let factor = cubic().factor(&[0.0; MOST]);
+        let factor = cubic().factor();
         let slope = std::array::from_fn(|i| f64::from(i == 1));
         assert!((factor.variance(&slope, 2) - 1.0 / 60.0).abs() < 1e-12);
     }
@@ -233,7 +278,7 @@ mod tests {
             let x = i as f64;
             rows.set(i, &[1.0, x, 2.0 * x - 1.0], x);
         }
-        let factor = rows.factor(&[0.0; MOST]);
+        let factor = rows.factor();
         assert!(factor.least_eigenvalue(3) < 1e-10 && factor.least_eigenvalue(2) > 1e-3);
     }
 }

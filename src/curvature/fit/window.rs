@@ -64,21 +64,22 @@ impl Stars {
 
 /// A small set of numbers that is emptied without touching its memory.
 struct Marks {
-    slots: Vec<(u32, u32)>,
+    /// Number, age, and place in the order of insertion.
+    slots: Vec<(u32, u32, u32)>,
     age: u32,
     count: usize,
 }
 
 impl Marks {
     fn new() -> Self {
-        Marks { slots: vec![(0, 0); 256], age: 1, count: 0 }
+        Marks { slots: vec![(0, 0, 0); 256], age: 1, count: 0 }
     }
 
     fn clear(&mut self) {
         self.count = 0;
         self.age = self.age.wrapping_add(1);
         if self.age == 0 {
-            self.slots.fill((0, 0));
+            self.slots.fill((0, 0, 0));
             self.age = 1;
         }
     }
@@ -89,29 +90,38 @@ impl Marks {
         if 2 * self.count >= self.slots.len() {
             self.grow();
         }
+        let at = self.find(key);
+        let is_new = self.slots[at].1 != self.age;
+        if is_new {
+            self.slots[at] = (key, self.age, self.count as u32);
+            self.count += 1;
+        }
+        is_new
+    }
+
+    /// The place of a number in the order of insertion.
+    fn place(&self, key: u32) -> Option<usize> {
+        let (_, age, place) = self.slots[self.find(key)];
+        (age == self.age).then_some(place as usize)
+    }
+
+    /// The slot that holds a number or would take it.
+    #[inline]
+    fn find(&self, key: u32) -> usize {
         let mask = self.slots.len() - 1;
         let mut at = (key.wrapping_mul(0x9E37_79B1) >> 8) as usize & mask;
-        loop {
-            let (held, age) = self.slots[at];
-            if age != self.age {
-                self.slots[at] = (key, self.age);
-                self.count += 1;
-                return true;
-            }
-            if held == key {
-                return false;
-            }
+        while self.slots[at].1 == self.age && self.slots[at].0 != key {
             at = (at + 1) & mask;
         }
+        at
     }
 
     fn grow(&mut self) {
-        let held: Vec<u32> = self.slots.iter().filter(|s| s.1 == self.age).map(|s| s.0).collect();
-        self.slots = vec![(0, 0); 2 * self.slots.len()];
-        self.age = 1;
-        self.count = 0;
-        for key in held {
-            self.insert(key);
+        let larger = vec![(0, 0, 0); 2 * self.slots.len()];
+        let (held, age) = (std::mem::replace(&mut self.slots, larger), std::mem::replace(&mut self.age, 1));
+        for (key, _, place) in held.into_iter().filter(|s| s.1 == age) {
+            let at = self.find(key);
+            self.slots[at] = (key, self.age, place);
         }
     }
 }
@@ -176,7 +186,7 @@ impl Window {
         for at in vertices {
             let vertex = self.vertices[at];
             if stars.divided[vertex as usize] || stars.of(vertex).len() > CROWDED {
-                self.add_fan(mesh, Vertex(vertex), faces, ignore_features);
+                self.add_fan(mesh, stars, Vertex(vertex), faces, ignore_features);
             } else {
                 for &face in stars.of(vertex) {
                     self.add(mesh, Face(face));
@@ -188,16 +198,23 @@ impl Window {
     }
 
     /// Adds the faces at a vertex that hang together with one of the first `known` faces.
-    fn add_fan(&mut self, mesh: &Mesh, vertex: Vertex, known: usize, ignore_features: bool) {
+    fn add_fan(&mut self, mesh: &Mesh, stars: &Stars, vertex: Vertex, known: usize, ignore_features: bool) {
         let topology = mesh.topology();
         let open = |h: HalfEdge| match mesh.edge_kind(h) {
             EdgeKind::Inner => true,
             EdgeKind::Feature => ignore_features,
             EdgeKind::Boundary | EdgeKind::NonManifold => false,
         };
-        for at in 0..known {
-            let start = Face(self.faces[at]);
-            if !topology.corners(start).contains(&vertex) {
+        let star = stars.of(vertex.0);
+        for at in 0..star.len().min(known) {
+            // Through the star or through the window, whichever is shorter.
+            let start = if star.len() <= known { Face(star[at]) } else { Face(self.faces[at]) };
+            let is_start = if star.len() <= known {
+                self.face_marks.place(start.0).is_some_and(|place| place < known)
+            } else {
+                topology.corners(start).contains(&vertex)
+            };
+            if !is_start {
                 continue;
             }
             // Around the vertex both ways; windings may differ from face to face.
