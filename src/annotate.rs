@@ -2,7 +2,7 @@
 
 use crate::annotation::{Annotation, ColorCarrier, Layout, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
-use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
+use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
@@ -125,6 +125,19 @@ impl AnnotateOptions {
         (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
+    /// The default estimator has the perimeter estimate only where it is asked for: it costs a walk.
+    fn with_perimeter_if_wanted(&self) -> AnnotateOptions {
+        let mut options = self.clone();
+        if options.curvature.estimator == Estimator::Auto {
+            let quantity = Quantity::GaussPerimeter;
+            options.curvature.perimeter |= options.selection.names(quantity) || options.shown().contains(&quantity);
+            if !options.curvature.perimeter {
+                options.selection = options.selection.without(quantity);
+            }
+        }
+        options
+    }
+
     /// The quantities that colours show, the first one first, each once.
     fn shown(&self) -> Vec<Quantity> {
         let first = match self.variants.as_slice() {
@@ -206,6 +219,7 @@ pub fn annotate(
     progress: &dyn Progress,
 ) -> Result<Summary, Error> {
     options.check()?;
+    let options = &options.with_perimeter_if_wanted();
     destination.check_folder()?;
     let start = Instant::now();
     let (mut soup, input_format) = io::read(input, progress)?;

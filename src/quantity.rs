@@ -188,11 +188,14 @@ impl Quantity {
 pub struct Selection {
     defaults: bool,
     extra: Vec<Quantity>,
+    /// Left out of the defaults.
+    #[serde(skip)]
+    without: Option<Quantity>,
 }
 
 impl Default for Selection {
     fn default() -> Self {
-        Selection { defaults: true, extra: Vec::new() }
+        Selection { defaults: true, extra: Vec::new(), without: None }
     }
 }
 
@@ -203,7 +206,7 @@ impl Selection {
     /// # Errors
     /// [`Error::Usage`] that names an unknown token and lists the known ones.
     pub fn parse(list: &str) -> Result<Self, Error> {
-        let mut selection = Selection { defaults: false, extra: Vec::new() };
+        let mut selection = Selection { defaults: false, extra: Vec::new(), without: None };
         for token in list.split(',').map(str::trim) {
             match token {
                 "default" => selection.defaults = true,
@@ -219,6 +222,16 @@ impl Selection {
             }
         }
         Ok(selection)
+    }
+
+    /// True for a quantity that was asked for by name, or by `all`.
+    pub fn names(&self, quantity: Quantity) -> bool {
+        self.extra.contains(&quantity)
+    }
+
+    /// The same with a quantity left out of the defaults.
+    pub(crate) fn without(&self, quantity: Quantity) -> Selection {
+        Selection { without: Some(quantity), ..self.clone() }
     }
 
     /// The quantities of a CSV file, in the order of the table.
@@ -237,7 +250,10 @@ impl Selection {
     }
 
     fn pick(&self, by_default: impl Fn(&Row) -> bool) -> Vec<Quantity> {
-        let wanted = |row: &&Row| (self.defaults && by_default(row)) || self.extra.contains(&row.quantity);
+        let wanted = |row: &&Row| {
+            (self.defaults && by_default(row) && self.without != Some(row.quantity))
+                || self.extra.contains(&row.quantity)
+        };
         TABLE.iter().filter(wanted).map(|row| row.quantity).collect()
     }
 }

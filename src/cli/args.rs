@@ -24,9 +24,11 @@ Examples:
   osculate inspect part.stl
   osculate section part.stl --plane 0,0,1,-5 -o cut.svg
 
-A disk is laid around every face: legs of one length, the radius, walked over the mesh
-from the face's centre in normal planes. Curvature is read off its sections; coverage is
-the share of legs that no border or sharp edge cut short.";
+By default (--estimator auto) surfaces are fitted to the vertices around every face, as
+many and of the kind that explain the mesh best; sharp edges end the window, and
+confidence tells how far to trust a face. --radius asks for curvature at a scale: all
+vertices within that distance. The other estimators lay a disk around every face instead:
+legs of one length, the radius, walked over the mesh in normal planes.";
 
 /// Curvature of every face of a triangle mesh, written as glTF attributes and colour maps.
 #[derive(Debug, Parser)]
@@ -128,22 +130,21 @@ pub(super) struct AnnotateArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Estimation")]
 pub(super) struct EstimationArgs {
-    /// How curvature is read off a section
+    /// How curvature is estimated
     #[arg(long, value_enum, default_value_t = EstimatorArg::from(CurvatureOptions::default().estimator))]
     estimator: EstimatorArg,
 
-    /// Length of a disk's legs in file units, above 0; or auto: by the width of the faces around and
-    /// the bending
+    /// Distance in file units up to which the mesh counts (for disks: length of the legs), above 0; or
+    /// auto: chosen for every face
     #[arg(long, value_name = "LENGTH|auto", conflicts_with = "radius_factor", value_parser = radius,
           allow_hyphen_values = true, default_value = "auto")]
     radius: Radius,
 
-    /// Length of a disk's legs in mean edges of the face (F or F:face) or of the whole mesh (F:mesh)
-    /// instead; above 0, at most 1000
+    /// The radius in mean edges of the face (F or F:face) or of the whole mesh (F:mesh) instead; above 0, at most 1000
     #[arg(long, value_name = "F[:face|mesh]", value_parser = radius_factor, allow_hyphen_values = true)]
     radius_factor: Option<Radius>,
 
-    /// Diameters of a disk, 3 to 360
+    /// Diameters of a disk, 3 to 360; not used by auto
     #[arg(long, value_name = "N", default_value_t = CurvatureOptions::default().diameters)]
     diameters: usize,
 
@@ -160,6 +161,7 @@ impl EstimationArgs {
             radius: self.radius_factor.unwrap_or(self.radius),
             diameters: self.diameters,
             class_tolerance: self.class_tolerance,
+            perimeter: false,
         }
     }
 }
@@ -191,7 +193,7 @@ pub(super) struct LookArgs {
     space: SpaceArgs,
 
     /// Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss,
-    /// gauss_perimeter, shape_index, curvedness, dir_max, dir_min, radius, coverage; or default, all,
+    /// gauss_perimeter, shape_index, curvedness, dir_max, dir_min, radius, coverage, method, confidence; or default, all,
     /// none
     #[arg(long, value_name = "LIST", value_parser = Selection::parse, default_value = "default")]
     attributes: Selection,

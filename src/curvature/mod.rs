@@ -55,6 +55,9 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     progress.begin(Stage::Estimate, count as u64);
     if options.estimator == Estimator::Auto {
         fit::estimate(mesh, options, |f| options.radius_of(mesh, f, fixed), progress, &mut values);
+        if options.perimeter {
+            add_perimeters(mesh, options, fixed, &mut values);
+        }
     } else {
         values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
             let first = (chunk * CHUNK) as u32;
@@ -69,6 +72,18 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     }
     progress.end();
     Ok(values)
+}
+
+/// Adds the perimeter estimate of every face, from a disk.
+fn add_perimeters(mesh: &Mesh, options: &CurvatureOptions, fixed: Option<f64>, values: &mut [FaceCurvature]) {
+    values.par_iter_mut().enumerate().for_each_init(Disk::new, |disk, (f, value)| {
+        let face = Face(f as u32);
+        if value.is_estimated()
+            && let Some(frame) = Frame::at_barycentre(mesh, face)
+        {
+            value.gauss_perimeter = curvature_at(mesh, face, &frame, options, fixed, disk).gauss_perimeter;
+        }
+    });
 }
 
 /// Estimates a range of faces; they may walk over any face of the mesh.

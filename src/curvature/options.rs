@@ -8,7 +8,8 @@ use crate::mesh::Mesh;
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Estimator {
-    /// Surfaces fitted to windows of vertices, of the kind and size that explain them best.
+    /// Surfaces fitted to windows of vertices, of the kind and size that explain them best; sections
+    /// where vertices carry no fit. `docs/estimator.md` has the rules.
     #[default]
     Auto,
     /// Formula (1) of the paper, solved exactly: the circle with the diameter's chord and arc.
@@ -50,19 +51,23 @@ pub enum Radius {
 /// Settings for [`estimate`](super::estimate).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvatureOptions {
-    /// How normal curvature is read off a diameter. Default: osculating.
+    /// How curvature is estimated. Default: auto.
     pub estimator: Estimator,
-    /// Length of the legs. Sections are polygons, so the error of formula (1) falls with the square
+    /// For [`Estimator::Auto`], the largest distance of a vertex that a face's values come from; by
+    /// default its windows choose themselves. For the others, the length of the legs: sections are polygons, so the error of formula (1) falls with the square
     /// of edge over radius, and grows with the square of radius over the distance in which the
     /// curvature changes.
     ///
-    /// Default: automatic, by the rule of `src/curvature/radius.rs`.
+    /// Default: automatic; for legs by the rule of `src/curvature/radius.rs`.
     pub radius: Radius,
     /// Number of diameters per disk, 3 to 360. Default 12.
     pub diameters: usize,
     /// A turn (curvature times radius, in radians) up to this counts as none in the class of a
     /// face, 0 to 1. Default 0.05.
     pub class_tolerance: f64,
+    /// Whether [`Estimator::Auto`] lays a disk on every face besides, for `gauss_perimeter`; the others
+    /// always do. Default: no.
+    pub perimeter: bool,
 }
 
 impl Default for CurvatureOptions {
@@ -72,6 +77,7 @@ impl Default for CurvatureOptions {
             radius: Radius::default(),
             diameters: 12,
             class_tolerance: 0.05,
+            perimeter: false,
         }
     }
 }
