@@ -5,7 +5,7 @@ use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::{self, CurvatureOptions, FaceClass, FaceCurvature, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
-use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
+use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions};
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
@@ -19,6 +19,8 @@ use std::time::Instant;
 /// Settings for [`annotate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnnotateOptions {
+    /// How to read the input.
+    pub read: ReadOptions,
     /// Welding and edge kinds.
     pub mesh: MeshOptions,
     /// Estimation.
@@ -51,6 +53,7 @@ pub struct AnnotateOptions {
 impl Default for AnnotateOptions {
     fn default() -> Self {
         AnnotateOptions {
+            read: ReadOptions::default(),
             mesh: MeshOptions::default(),
             curvature: CurvatureOptions::default(),
             selection: Selection::default(),
@@ -130,7 +133,7 @@ impl AnnotateOptions {
     }
 }
 
-/// Annotates one file.
+/// Annotates one file; `-` is standard input.
 ///
 /// # Errors
 /// Any [`Error`]; nothing is then written, and what stood at the destination is still there.
@@ -144,7 +147,7 @@ pub fn annotate(
     options.check()?;
     destination.check_folder()?;
     let start = Instant::now();
-    let (soup, input_format) = io::read(input, progress)?;
+    let (soup, input_format) = io::read_with(input, &options.read, progress)?;
     let space = options.space(input_format, format)?;
     let others: Vec<PathBuf> = options.edges.iter().chain(&options.reserved).cloned().collect();
     destination.check(format, &others, input, &soup)?;
@@ -168,7 +171,7 @@ pub fn annotate(
     let annotation = Annotation {
         mesh: &mesh,
         values: &values,
-        name: input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        name: io::mesh_name(input),
         selection: options.selection.clone(),
         colors,
         carrier: options.carrier,

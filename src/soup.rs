@@ -133,6 +133,8 @@ pub struct Soup {
     pub notes: Vec<Note>,
     /// Files besides the input that were read, such as a glTF's buffers.
     pub files: Vec<PathBuf>,
+    /// Metres in one unit of the positions, where the file says so: always in glTF and 3MF.
+    pub metres_per_unit: Option<f64>,
 }
 
 impl Soup {
@@ -151,6 +153,7 @@ impl Soup {
             scene: None,
             notes: Vec::new(),
             files: Vec::new(),
+            metres_per_unit: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Options with a fixed set of values, and what each value stands for in the library.
 
 use clap::ValueEnum;
-use osculate::{Along, ColorCarrier, Estimator, OutputFormat, Quantity, Unit, UpAxis};
+use osculate::{Along, ColorCarrier, Estimator, InputFormat, OutputFormat, Quantity, Unit, UpAxis};
 
 /// Declares a value of an option and what it stands for in the library.
 macro_rules! choices {
@@ -50,6 +50,18 @@ choices!(FormatArg => OutputFormat {
     Gltf => OutputFormat::Gltf,
     Ply => OutputFormat::Ply,
     Csv => OutputFormat::Csv,
+});
+
+choices!(InputFormatArg => InputFormat {
+    Stl => InputFormat::Stl,
+    Obj => InputFormat::Obj,
+    Ply => InputFormat::Ply,
+    Off => InputFormat::Off,
+    #[value(name = "3mf")]
+    ThreeMf => InputFormat::ThreeMf,
+    /// .gltf or .glb
+    #[value(alias = "glb")]
+    Gltf => InputFormat::Gltf,
 });
 
 choices!(UpArg => UpAxis {

@@ -151,6 +151,11 @@ fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
 /// Everything a face gets from its disk.
 fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
     let Principal { k_max, k_min, angle } = principal;
+    // Of a face smaller than 1e-19 the product of the two may be more than 32 bits can hold.
+    let largest = k_max.abs().max(k_min.abs());
+    if !((largest * largest) as f32).is_finite() {
+        return FaceCurvature::NOT_ESTIMATED;
+    }
     let direction = frame.direction(angle);
     FaceCurvature {
         k_max: k_max as f32,

@@ -8,6 +8,7 @@ fixtures=$(realpath ../../fixtures)
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 ./setup.sh >/dev/null
+python=$(./python.sh)
 
 count=0
 write() { # INPUT NAME OPTION...
@@ -19,7 +20,7 @@ write() { # INPUT NAME OPTION...
     count=$((count + 1))
 }
 
-for input in "$fixtures"/*.{stl,obj,ply,glb,gltf}; do
+for input in "$fixtures"/*.{stl,obj,ply,off,3mf,glb,gltf}; do
     name=$(basename "$input" | tr . _)
     write "$input" "$name.glb"
     write "$input" "$name-apart.gltf"
@@ -29,7 +30,7 @@ for input in "$fixtures"/*.{stl,obj,ply,glb,gltf}; do
     write "$input" "$name-plain.glb" --color-by none --attributes none
     "$program" annotate "$input" -o - --format gltf -q >"$out/$name-embedded.gltf" || [ $? = 3 ]
     case $input in
-        *.stl | *.obj | *.ply) write "$input" "$name-mm.glb" --up z --unit mm ;;
+        *.stl | *.obj | *.ply | *.off | *.3mf) write "$input" "$name-mm.glb" --up z --unit mm ;;
     esac
 done
 # Files of lines: disks, traces, sections, edges.
@@ -45,3 +46,7 @@ write "$fixtures/suzanne.stl" edges-of-suzanne.glb --edges "$out/edges-suzanne.g
 # No message of any severity: none of the inputs has one that its output could keep.
 node validate.mjs "$out"/*.glb "$out"/*.gltf
 echo "$(ls "$out"/*.glb "$out"/*.gltf | wc -l) files without a message from the validator"
+
+# Files of all formats as trimesh reads them.
+"$python" ../../fixtures/make_variants.py "$out/variants"
+"$python" differential.py "$program" "$out/variants"

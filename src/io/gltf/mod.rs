@@ -10,6 +10,7 @@ mod container;
 mod geometry;
 mod layout;
 mod lines;
+mod meshopt;
 mod read;
 mod scene;
 mod write;
