@@ -1,5 +1,6 @@
 //! Triangles as a file gives them: nothing welded, nothing repaired, nothing dropped.
 
+use crate::error::in_one_line;
 use glam::DVec3;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -102,12 +103,12 @@ pub struct Note {
 impl Note {
     /// A note that something was repaired or left out.
     pub fn repaired(message: impl Into<String>) -> Self {
-        Note { message: message.into(), repaired: true }
+        Note { message: in_one_line(message.into()), repaired: true }
     }
 
     /// A note for the reader's information.
     pub fn info(message: impl Into<String>) -> Self {
-        Note { message: message.into(), repaired: false }
+        Note { message: in_one_line(message.into()), repaired: false }
     }
 }
 

@@ -10,8 +10,22 @@ use std::path::Path;
 
 /// Words that readers look at twice.
 const WORDS: [&[u8]; 16] = [
-    b"4294967295", b"-1", b"nan", b"1e999", b"\0", b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\n", b"#", b"\\\n", b"{",
-    b"\"", b"vertex", b"f 1 2 3", b"solid", b"<",
+    b"4294967295",
+    b"-1",
+    b"nan",
+    b"1e999",
+    b"\0",
+    b"\xff\xff\xff\xff",
+    b"\xff\xff\xff\x7f",
+    b"\n",
+    b"#",
+    b"\\\n",
+    b"{",
+    b"\"",
+    b"vertex",
+    b"f 1 2 3",
+    b"solid",
+    b"<",
 ];
 
 /// SplitMix64.

@@ -104,7 +104,9 @@ fn a_stream_that_is_not_what_it_is_said_to_be_is_an_error() {
 #[test]
 fn utf_16_and_byte_order_marks_change_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in ["groups.obj", "sphere_ascii.ply", "suzanne_meshlab_ascii.stl", "two_meshes_embedded.gltf", "sphere.off"] {
+    for name in
+        ["groups.obj", "sphere_ascii.ply", "suzanne_meshlab_ascii.stl", "two_meshes_embedded.gltf", "sphere.off"]
+    {
         let text = fs::read_to_string(fixture(name)).expect("text");
         // Material libraries are looked for beside the file, and the copy has none.
         let text = text.replace("mtllib", "#");
@@ -131,7 +133,8 @@ fn utf_16_and_byte_order_marks_change_nothing() {
 fn meshopt_compressed_files_are_decoded() {
     let original = osculate::inspect(&fixture("two_meshes.glb"), &osculate::MeshOptions::default(), None, &NoProgress);
     let expected = original.expect("a scene").scene.expect("a scene").bounds.expect("bounds");
-    for (ext, khr) in [("two_meshes_ext.glb", "two_meshes_khr.glb"), ("two_meshes_ext_float.glb", "two_meshes_khr_float.glb")]
+    for (ext, khr) in
+        [("two_meshes_ext.glb", "two_meshes_khr.glb"), ("two_meshes_ext_float.glb", "two_meshes_khr_float.glb")]
     {
         let [ext, khr] = [ext, khr].map(fixture);
         let soup = soup_of(&ext);
@@ -192,8 +195,7 @@ fn millions_of_metres_keep_millimetres() {
     let points: Vec<[f64; 3]> =
         (0..n * n).map(|v| [(v % n) as f64 * 0.25, (v / n) as f64 * 0.25, height(v % n, v / n)]).collect();
     let cells = (0..n * n).filter(|v| v % n + 1 < n && v / n + 1 < n);
-    let triangles: Vec<[usize; 3]> =
-        cells.flat_map(|v| [[v, v + 1, v + n + 1], [v, v + n + 1, v + n]]).collect();
+    let triangles: Vec<[usize; 3]> = cells.flat_map(|v| [[v, v + 1, v + n + 1], [v, v + n + 1, v + n]]).collect();
     let write = |shift: [f64; 3], format: InputFormat| -> Vec<u8> {
         let rows = points.iter().map(|p| [0, 1, 2].map(|c| format!("{:.3}", p[c] + shift[c])).join(" "));
         let rows: Vec<String> = rows.collect();
@@ -215,7 +217,10 @@ fn millions_of_metres_keep_millimetres() {
                 if format == InputFormat::Off {
                     format!("OFF\n{v} {f} 0\n{}\n{faces}", rows.join("\n"))
                 } else {
-                    format!("ply\nformat ascii 1.0\nelement vertex {v}\nproperty double x\nproperty double y\nproperty double z\nelement face {f}\nproperty list uchar int vertex_indices\nend_header\n{}\n{faces}", rows.join("\n"))
+                    format!(
+                        "ply\nformat ascii 1.0\nelement vertex {v}\nproperty double x\nproperty double y\nproperty double z\nelement face {f}\nproperty list uchar int vertex_indices\nend_header\n{}\n{faces}",
+                        rows.join("\n")
+                    )
                 }
             }
         };
@@ -223,7 +228,8 @@ fn millions_of_metres_keep_millimetres() {
     };
     let options = CurvatureOptions::default();
     for format in [InputFormat::Obj, InputFormat::Stl, InputFormat::Ply, InputFormat::Off] {
-        let [near, moved] = [[0.0; 3], far].map(|shift| read_bytes(&write(shift, format), format, None).expect("readable"));
+        let [near, moved] =
+            [[0.0; 3], far].map(|shift| read_bytes(&write(shift, format), format, None).expect("readable"));
         assert!(matches!(moved.positions, Positions::F64(_)));
         let mesh = mesh_of(&moved);
         for (v, p) in mesh_of(&near).positions().iter().enumerate() {

@@ -1,14 +1,15 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
 use super::choices::{
-    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, InputFormatArg, LogFormat, ReportFormat, ShapeArg, UnitArg, UpArg,
+    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, InputFormatArg, LogFormat, ReportFormat, ShapeArg,
+    UnitArg, UpArg,
 };
 use super::parse::{cells, pair, plane, radius, radius_factor, range, seeds, threads, vector};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, ReadOptions, Selection, Space,
-    TraceOptions,
+    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, ReadOptions, Selection,
+    Space, TraceOptions,
 };
 use std::path::PathBuf;
 
@@ -74,8 +75,8 @@ impl Command {
 
 #[derive(Debug, Args)]
 pub(super) struct AnnotateArgs {
-    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content, also compressed with
-    /// gzip. - for standard input
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
 
     #[command(flatten)]
@@ -256,8 +257,8 @@ impl AnnotateArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct InspectArgs {
-    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content, also compressed with
-    /// gzip. - for standard input
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
 
     #[command(flatten)]
@@ -319,8 +320,8 @@ impl SpaceArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct DiskArgs {
-    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content, also compressed with
-    /// gzip. - for standard input
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
 
     #[command(flatten)]
@@ -352,8 +353,8 @@ pub(super) struct DiskArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct TraceArgs {
-    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content, also compressed with
-    /// gzip. - for standard input
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
 
     #[command(flatten)]
@@ -397,8 +398,8 @@ pub(super) struct TraceArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct SectionArgs {
-    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content, also compressed with
-    /// gzip. - for standard input
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
 
     #[command(flatten)]

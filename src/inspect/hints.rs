@@ -176,7 +176,8 @@ mod tests {
             (0..soup.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect(),
         );
         let hint = hints(&apart, InputFormat::Ply).remove(0);
-        let distance: f64 = hint.split("--weld ").nth(1).and_then(|s| s.split(' ').next()?.parse().ok()).expect("a distance");
+        let distance: f64 =
+            hint.split("--weld ").nth(1).and_then(|s| s.split(' ').next()?.parse().ok()).expect("a distance");
         let mesh = Mesh::from_soup(&apart, &MeshOptions { weld: distance, ..MeshOptions::default() }).expect("a mesh");
         assert!(mesh.report().closed, "{hint}: {:?}", mesh.report());
     }

@@ -120,11 +120,7 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
 ///
 /// # Errors
 /// [`Error::Io`] when the file cannot be read, [`Error::Parse`] when its content is not a mesh.
-pub fn read_with(
-    path: &Path,
-    options: &ReadOptions,
-    progress: &dyn Progress,
-) -> Result<(Soup, InputFormat), Error> {
+pub fn read_with(path: &Path, options: &ReadOptions, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
     let bytes = load(path, progress)?;
     let own = path.parent().filter(|_| !is_standard_input(path));
     let result = decode(bytes, path, options, Folders::new(own, &options.allowed_folders));

@@ -89,7 +89,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     }
     let count = |at: usize| -> Result<usize, ParseError> {
         let &(line, word) = words.get(at).ok_or_else(|| ParseError::file("the file has no counts"))?;
-        text::count(word).map(|count| count as usize).ok_or_else(|| ParseError::line(line, format!("{} is no count of vertices or faces", text::quoted(word))))
+        text::count(word)
+            .map(|count| count as usize)
+            .ok_or_else(|| ParseError::line(line, format!("{} is no count of vertices or faces", text::quoted(word))))
     };
     let first = usize::from(kind.dimension_follows);
     if kind.dimension_follows && count(0)? != 3 {
@@ -100,13 +102,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     read_ascii(kind, vertices, faces, header, lines)
 }
 
-fn read_ascii(
-    kind: Kind,
-    vertices: usize,
-    faces: usize,
-    header: u64,
-    lines: Lines<'_>,
-) -> Result<Soup, ParseError> {
+fn read_ascii(kind: Kind, vertices: usize, faces: usize, header: u64, lines: Lines<'_>) -> Result<Soup, ParseError> {
     // A vertex takes three digits, two spaces and an end of line; no more is believed of the count.
     let mut positions = Vec::with_capacity(vertices.min(lines.rest().len() / 6 + 1));
     let mut polygons = Polygons::default();
@@ -132,11 +128,15 @@ fn read_ascii(
             })?;
             for _ in 0..corners {
                 let word = words.next().ok_or_else(|| {
-                    ParseError::line(line, format!("a face of {corners} corners has fewer in {}", text::quoted(content)))
+                    ParseError::line(
+                        line,
+                        format!("a face of {corners} corners has fewer in {}", text::quoted(content)),
+                    )
                 })?;
-                polygons.corner(text::count(word).ok_or_else(|| {
-                    ParseError::line(line, format!("{} is no vertex number", text::quoted(word)))
-                })?);
+                polygons
+                    .corner(text::count(word).ok_or_else(|| {
+                        ParseError::line(line, format!("{} is no vertex number", text::quoted(word)))
+                    })?);
             }
             polygons.end_face();
             left -= 1;
@@ -236,7 +236,10 @@ mod tests {
             format!("nOFF\n3\n4 2 0\n{BODY}"),
             format!("OFF\n4 2 0\n{BODY}\nleft behind"),
             format!("OFF\r\n4 2 0\r\n{}", BODY.replace('\n', "\r\n")),
-            format!("OFF\n4 2 0\n{}", BODY.replace("0 1 2 3", "0 1 2 3 255 0 0 # red").replace("3 0 1 2\n", "3 0 1 2 0.5 0.5 0.5")),
+            format!(
+                "OFF\n4 2 0\n{}",
+                BODY.replace("0 1 2 3", "0 1 2 3 255 0 0 # red").replace("3 0 1 2\n", "3 0 1 2 0.5 0.5 0.5")
+            ),
             format!("COFF\n4 2 0\n{}", BODY.replace(" 0\n1", " 0 255 0 0 255\n1")),
             format!("STCN4OFF\n4 2 0\n0 0 0 1\n2 0 0 2 9 9\n1 1 0 1\n0 1 0 1\n4 0 1 2 3\n3 0 1 2\n"),
         ] {

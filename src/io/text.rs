@@ -191,7 +191,9 @@ mod tests {
         assert_eq!(number(b"0x1"), None);
         assert_eq!(words(b" 1.5 2,5").by_ref().number(), Some(1.5));
         assert!(words(b"2,5 1").number().is_none() && words(b" ").number().is_none());
-        for (word, value) in [("12", Some(12)), ("-3", Some(-3)), ("+4", Some(4)), ("", None), ("-", None), ("1a", None)] {
+        for (word, value) in
+            [("12", Some(12)), ("-3", Some(-3)), ("+4", Some(4)), ("", None), ("-", None), ("1a", None)]
+        {
             assert_eq!(integer(word.as_bytes()), value, "{word}");
         }
         assert_eq!((integer(b"9999999999999999999"), count(b"-1"), count(b"4294967296")), (None, None, None));

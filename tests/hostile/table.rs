@@ -44,7 +44,9 @@ fn truncated(files: &mut Files) {
             files.push((format!("cut-{end}-{}", name.replace('/', "-")), bytes[..end].to_vec()));
         }
     }
-    for name in ["stl/ascii.stl", "obj/all.obj", "ply/ascii.ply", "ply/little.ply", "off/plain.off", "gltf/embedded.gltf"] {
+    for name in
+        ["stl/ascii.stl", "obj/all.obj", "ply/ascii.ply", "ply/little.ply", "off/plain.off", "gltf/embedded.gltf"]
+    {
         let bytes = seed(name);
         for end in line_ends(&bytes) {
             files.push((format!("cut-{end}-{}", name.replace('/', "-")), bytes[..end].to_vec()));
@@ -59,7 +61,9 @@ fn stl(files: &mut Files) {
         bytes[80..84].copy_from_slice(&u32::to_le_bytes(count));
         files.push((format!("count-{count}.stl"), bytes));
     }
-    for (name, value) in [("nan", f32::NAN), ("inf", f32::INFINITY), ("huge", f32::MAX), ("denormal", 1e-44), ("zero", 0.0)] {
+    for (name, value) in
+        [("nan", f32::NAN), ("inf", f32::INFINITY), ("huge", f32::MAX), ("denormal", 1e-44), ("zero", 0.0)]
+    {
         let mut all = whole.clone();
         let mut one = whole.clone();
         for record in all[84..].chunks_exact_mut(50) {
@@ -78,7 +82,10 @@ fn stl(files: &mut Files) {
     }
     files.push(("spread.stl".into(), spread));
     let ascii = String::from_utf8(seed("stl/ascii.stl")).expect("text");
-    files.push(("no-vertices.stl".into(), b"solid\nfacet normal 0 0 1\nouter loop\nendloop\nendfacet\nendsolid\n".to_vec()));
+    files.push((
+        "no-vertices.stl".into(),
+        b"solid\nfacet normal 0 0 1\nouter loop\nendloop\nendfacet\nendsolid\n".to_vec(),
+    ));
     files.push(("four-vertices.stl".into(), ascii.replacen("endloop", "vertex 0 0 0\nendloop", 1).into_bytes()));
     files.push(("long-name.stl".into(), ascii.replacen("part", &"x".repeat(1 << 20), 1).into_bytes()));
     files.push(("numbers.stl".into(), ascii.replace("vertex 0", "vertex 1e400").into_bytes()));
@@ -88,7 +95,16 @@ fn stl(files: &mut Files) {
 fn obj(files: &mut Files) {
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
     let mut add = |name: &str, text: String| files.push((format!("{name}.obj"), text.into_bytes()));
-    for index in ["0", "5", "-5", "4294967295", "4294967297", "9223372036854775807", "-9223372036854775808", "99999999999999999999"] {
+    for index in [
+        "0",
+        "5",
+        "-5",
+        "4294967295",
+        "4294967297",
+        "9223372036854775807",
+        "-9223372036854775808",
+        "99999999999999999999",
+    ] {
         add(&format!("index{index}"), format!("{SQUARE}f 1 2 {index}\n"));
     }
     for number in ["nan", "inf", "1e999", "-1e999", "1e-999", "5e-324", "0x10", "1,5", "--1", "1e", "."] {
@@ -99,10 +115,10 @@ fn obj(files: &mut Files) {
     add("slashes", format!("{SQUARE}f 1{0} 2{0} 3{0}\n", "/".repeat(1 << 18)));
     // A concave outline of many corners: cubic time for whoever clips ears without a limit.
     let mut comb = String::new();
-    for i in 0..60_000 {
+    for i in 0..20_000 {
         let _ = writeln!(comb, "v {i} {} 0", i % 2 * 10);
     }
-    let corners: String = (1..=60_000).fold(String::new(), |all, i| all + " " + &i.to_string());
+    let corners: String = (1..=20_000).fold(String::new(), |all, i| all + " " + &i.to_string());
     add("comb", format!("{comb}f{corners}\n"));
     add("spiral", {
         let mut text = String::new();
@@ -128,7 +144,9 @@ fn obj(files: &mut Files) {
 
 fn ply(files: &mut Files) {
     let header = |vertices: &str, vertex: &str, faces: &str, list: &str| {
-        format!("ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n{vertex}element face {faces}\nproperty list {list} vertex_indices\nend_header\n")
+        format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n{vertex}element face {faces}\nproperty list {list} vertex_indices\nend_header\n"
+        )
     };
     const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
     let mut add = |name: &str, head: String, body: Vec<u8>| {
@@ -145,11 +163,22 @@ fn ply(files: &mut Files) {
     add("no-properties", header("1000000000", "", "1", "uchar int"), vec![3; 99]);
     add("empty-lists", header("3", XYZ, "60", "uchar int"), vec![0; 96]);
     add("other", format!("ply\nformat ascii 1.0\nelement other 4000000000\nend_header\n"), Vec::new());
-    add("list-of-x", header("3", "property list uchar float x\nproperty float y\nproperty float z\n", "1", "uchar int"), vec![0; 99]);
+    add(
+        "list-of-x",
+        header("3", "property list uchar float x\nproperty float y\nproperty float z\n", "1", "uchar int"),
+        vec![0; 99],
+    );
     add("properties", header("1", &"property double a\n".repeat(50_000), "1", "uchar int"), vec![0; 99]);
     add("elements", format!("ply\nformat ascii 1.0\n{}end_header\n", "element face 0\n".repeat(100_000)), Vec::new());
     add("no-format", "ply\nelement vertex 1\nend_header\n".into(), Vec::new());
-    add("two-vertices", header("3", XYZ, "1", "uchar int").replace("element face", "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face"), [vec![0; 36], vec![3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]].concat());
+    add(
+        "two-vertices",
+        header("3", XYZ, "1", "uchar int").replace(
+            "element face",
+            "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face",
+        ),
+        [vec![0; 36], vec![3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]].concat(),
+    );
 }
 
 fn off(files: &mut Files) {
@@ -164,7 +193,12 @@ fn off(files: &mut Files) {
     add("dimension", "nOFF\n4000000000\n3 1 0\n");
     add("no-weight", "4OFF\n3 1 0\n0 0 0 0\n1 0 0 0\n0 1 0 0\n3 0 1 2\n");
     for word in [0_u32, 5, 1 << 20, u32::MAX] {
-        let bytes = [b"STCN4nOFF BINARY\n".to_vec(), [[0, 0, 0, 3], word.to_be_bytes()].concat(), word.to_be_bytes().repeat(200)].concat();
+        let bytes = [
+            b"STCN4nOFF BINARY\n".to_vec(),
+            [[0, 0, 0, 3], word.to_be_bytes()].concat(),
+            word.to_be_bytes().repeat(200),
+        ]
+        .concat();
         files.push((format!("binary-{word}.off"), bytes));
     }
 }
@@ -242,7 +276,11 @@ fn gltf(files: &mut Files) {
     set("uri-http", "/buffers/0/uri", json!("http://localhost/a.bin"));
     set("uri-folder", "/buffers/0/uri", json!("."));
     set("uri-data", "/buffers/0/uri", json!("data:application/octet-stream;base64,AAAA"));
-    set("matrix", "/nodes/0/matrix", json!([1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38]));
+    set(
+        "matrix",
+        "/nodes/0/matrix",
+        json!([1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38, 1e38]),
+    );
     set("rotation", "/nodes/0/rotation", json!([0, 0, 0, 0]));
     // Zeros that take no bytes, shared by many meshes, each placed many times.
     let zeros = glb(|document| {
@@ -260,18 +298,40 @@ fn gltf(files: &mut Files) {
     });
     files.push(("ring.glb".into(), chain));
     let depth = 100_000;
-    files.push(("deep.gltf".into(), format!("{{\"asset\":{{\"version\":\"2.0\",\"extras\":{}{}}}}}", "[".repeat(depth), "]".repeat(depth)).into_bytes()));
+    files.push((
+        "deep.gltf".into(),
+        format!("{{\"asset\":{{\"version\":\"2.0\",\"extras\":{}{}}}}}", "[".repeat(depth), "]".repeat(depth))
+            .into_bytes(),
+    ));
     files.push(("deep-unknown.gltf".into(), format!("{{\"x\":{}", "{\"x\":".repeat(depth)).into_bytes()));
-    files.push(("numbers.gltf".into(), format!("{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":{}}}", "9".repeat(1 << 16)).into_bytes()));
-    for (name, at, value) in [("version", 4, u32::MAX), ("length", 8, u32::MAX), ("json-length", 12, u32::MAX), ("json-kind", 16, 7), ("json-zero", 12, 0)] {
+    files.push((
+        "numbers.gltf".into(),
+        format!("{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":{}}}", "9".repeat(1 << 16)).into_bytes(),
+    ));
+    for (name, at, value) in [
+        ("version", 4, u32::MAX),
+        ("length", 8, u32::MAX),
+        ("json-length", 12, u32::MAX),
+        ("json-kind", 16, 7),
+        ("json-zero", 12, 0),
+    ] {
         let mut bytes = glb(|_| {});
         bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
         files.push((format!("chunk-{name}.glb"), bytes));
     }
     for (name, sparse) in [
-        ("huge", json!({ "count": 1_u64 << 40, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 0 } })),
-        ("wild", json!({ "count": 1, "indices": { "bufferView": 0, "componentType": 5125 }, "values": { "bufferView": 0 } })),
-        ("none", json!({ "count": 0, "indices": { "bufferView": 9, "componentType": 5121 }, "values": { "bufferView": 9 } })),
+        (
+            "huge",
+            json!({ "count": 1_u64 << 40, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 0 } }),
+        ),
+        (
+            "wild",
+            json!({ "count": 1, "indices": { "bufferView": 0, "componentType": 5125 }, "values": { "bufferView": 0 } }),
+        ),
+        (
+            "none",
+            json!({ "count": 0, "indices": { "bufferView": 9, "componentType": 5121 }, "values": { "bufferView": 9 } }),
+        ),
     ] {
         files.push((format!("sparse-{name}.glb"), glb(|document| document["accessors"][0]["sparse"] = sparse)));
     }
@@ -279,7 +339,9 @@ fn gltf(files: &mut Files) {
 
 fn meshopt(files: &mut Files) {
     for (mode, header) in [("ATTRIBUTES", 0xa0_u8), ("ATTRIBUTES", 0xa1), ("TRIANGLES", 0xe1), ("INDICES", 0xd1)] {
-        for (count, stride) in [(0_u64, 4_u64), (3, 4), (48, 4), (1 << 20, 4), (1 << 40, 256), (u64::MAX, 4), (3, 0), (3, 3)] {
+        for (count, stride) in
+            [(0_u64, 4_u64), (3, 4), (48, 4), (1 << 20, 4), (1 << 40, 256), (u64::MAX, 4), (3, 0), (3, 3)]
+        {
             let view = json!({ "buffer": 1, "byteLength": count.saturating_mul(stride), "extensions": { "EXT_meshopt_compression": {
                 "buffer": 0, "byteLength": 4096, "byteStride": stride, "count": count, "mode": mode
             } } });
@@ -291,7 +353,8 @@ fn meshopt(files: &mut Files) {
             });
             let mut bin = vec![0xff; 4096];
             bin[0] = header;
-            files.push((format!("meshopt-{mode}-{header:x}-{count}-{stride}.glb"), glb_of(&document.to_string(), &bin)));
+            files
+                .push((format!("meshopt-{mode}-{header:x}-{count}-{stride}.glb"), glb_of(&document.to_string(), &bin)));
         }
     }
 }
@@ -320,10 +383,18 @@ fn threemf(files: &mut Files) {
         let name: String = number.chars().filter(char::is_ascii_alphanumeric).collect();
         add(&format!("coordinate-{name}"), &object.replace("x='1'", &format!("x='{number}'")), item);
     }
-    add("circle", "<object id='1'><components><component objectid='2'/></components></object><object id='2'><components><component objectid='1'/></components></object>", item);
+    add(
+        "circle",
+        "<object id='1'><components><component objectid='2'/></components></object><object id='2'><components><component objectid='1'/></components></object>",
+        item,
+    );
     let mut towers = format!("<object id='0'>{MESH}</object>");
     for id in 1..40 {
-        let _ = write!(towers, "<object id='{id}'><components>{}</components></object>", format!("<component objectid='{}'/>", id - 1).repeat(10));
+        let _ = write!(
+            towers,
+            "<object id='{id}'><components>{}</components></object>",
+            format!("<component objectid='{}'/>", id - 1).repeat(10)
+        );
     }
     add("tower", &towers, "<item objectid='39'/>");
     add("items", &object, &item.repeat(100_000));

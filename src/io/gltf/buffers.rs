@@ -204,9 +204,8 @@ impl<'a> Buffers<'a> {
             return Ok(bytes);
         }
         let bytes = match (&buffer.uri, self.source.bin) {
-            (Some(uri), _) => {
-                load(uri, self.source.folders).map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?
-            }
+            (Some(uri), _) => load(uri, self.source.folders)
+                .map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?,
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 let what =

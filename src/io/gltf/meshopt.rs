@@ -336,7 +336,9 @@ mod tests {
 
     #[test]
     fn numbers_of_variable_length() {
-        for (bytes, value) in [(&[0x7f][..], Some(0x7f)), (&[0x81, 0x04], Some(0x201)), (&[0xff, 0xa0, 0x05], Some(0x1_507f))] {
+        for (bytes, value) in
+            [(&[0x7f][..], Some(0x7f)), (&[0x81, 0x04], Some(0x201)), (&[0xff, 0xa0, 0x05], Some(0x1_507f))]
+        {
             assert_eq!(Bytes(bytes).variable(), value);
         }
         assert_eq!(Bytes(&[0xff; 9]).variable(), None);

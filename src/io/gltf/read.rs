@@ -318,6 +318,9 @@ pub(super) mod tests {
         assert!(
             error_of(&[], &json!({ "asset": { "version": "3.1" } })).starts_with("asset.version: this is glTF 3.1")
         );
+        // Found by a fuzzer: a version with an end of line in it.
+        let error = error_of(&[], &json!({ "asset": { "version": "ve\n" } }));
+        assert!(error.contains("glTF ve?;"), "{error}");
         let first = br#"{ "asset": { "version": "1.0" }, "nodes": { "a": {} }, "meshes": {} }"#;
         assert!(read(first, None).expect_err("version 1").to_string().contains("glTF 1.0"));
     }

@@ -20,8 +20,9 @@ pub(super) struct Archive<'b> {
 
 impl<'b> Archive<'b> {
     pub(super) fn open(bytes: &'b [u8]) -> Result<Self, ParseError> {
-        let zip = ZipArchive::new(Cursor::new(bytes))
-            .map_err(|error| ParseError::file(format!("the ZIP archive cannot be read: {error}; it may be cut short")))?;
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
+            ParseError::file(format!("the ZIP archive cannot be read: {error}; it may be cut short"))
+        })?;
         Ok(Archive { zip, limit: FREE.max((bytes.len() as u64).saturating_mul(MOST_EXPANSION)), read: 0 })
     }
 
@@ -62,7 +63,9 @@ impl<'b> Archive<'b> {
         let known = target.and_then(|target| self.name_of(&target)).or_else(|| self.name_of("3D/3dmodel.model"));
         let any = || self.names().filter(|name| name.to_ascii_lowercase().ends_with(".model")).min();
         known.or_else(any).ok_or_else(|| {
-            ParseError::file("the ZIP archive has no 3D model in it, so it is not 3MF; unpack it and name the mesh file")
+            ParseError::file(
+                "the ZIP archive has no 3D model in it, so it is not 3MF; unpack it and name the mesh file",
+            )
         })
     }
 
@@ -73,7 +76,10 @@ impl<'b> Archive<'b> {
             if let Some(path) = &reference.part {
                 let found = self.name_of(path);
                 reference.part = Some(found.ok_or_else(|| {
-                    ParseError::file(format!("{part}: there is no part {} in the archive", text::quoted(path.as_bytes())))
+                    ParseError::file(format!(
+                        "{part}: there is no part {} in the archive",
+                        text::quoted(path.as_bytes())
+                    ))
                 })?);
             }
         }

@@ -192,12 +192,19 @@ mod tests {
         );
         let soup = read_model(&objects, "<item objectid='7' transform='2 0 0 0 2 0 0 0 2 0 0 3'/><item objectid='1' transform='-1 0 0 0 1 0 0 0 1 0 0 0'/>")
             .expect("readable");
-        let corners: Vec<_> = soup.triangles.as_flattened().iter().map(|&c| soup.positions.get(c as usize).to_array()).collect();
+        let corners: Vec<_> =
+            soup.triangles.as_flattened().iter().map(|&c| soup.positions.get(c as usize).to_array()).collect();
         // Turned by a right angle and moved by 5, doubled and lifted by 3; doubled and lifted; mirrored.
         let expected = [
-            [10.0, 0.0, 3.0], [10.0, 2.0, 3.0], [8.0, 0.0, 3.0],
-            [0.0, 0.0, 3.0], [2.0, 0.0, 3.0], [0.0, 2.0, 3.0],
-            [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0],
+            [10.0, 0.0, 3.0],
+            [10.0, 2.0, 3.0],
+            [8.0, 0.0, 3.0],
+            [0.0, 0.0, 3.0],
+            [2.0, 0.0, 3.0],
+            [0.0, 2.0, 3.0],
+            [0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [-1.0, 0.0, 0.0],
         ];
         assert_eq!(corners, expected);
         assert_eq!(soup.bodies.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["a & b"; 3]);
@@ -209,14 +216,22 @@ mod tests {
     fn objects_may_lie_in_parts_of_their_own() {
         let rels = "<Relationships xmlns='r'><Relationship Target='/Other/main.model' Id='1' Type='http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel'/></Relationships>";
         let part = model(&format!("<object id='3'>{MESH}</object>"), "");
-        let main = model("<object id='3'><components><component p:path='/3D/Objects/a.model' objectid='3'/></components></object>", "<item objectid='3'/><item p:path='/3D/Objects/a.model' objectid='3'/>");
+        let main = model(
+            "<object id='3'><components><component p:path='/3D/Objects/a.model' objectid='3'/></components></object>",
+            "<item objectid='3'/><item p:path='/3D/Objects/a.model' objectid='3'/>",
+        );
         let soup = read(&zip_of(&[("_rels/.rels", rels), ("Other/main.model", &main), ("3D/Objects/a.model", &part)]));
         assert_eq!(soup.expect("readable").face_count(), 2);
     }
 
     #[test]
     fn without_a_build_the_objects_are_taken() {
-        let soup = read_model(&format!("<object id='1'>{MESH}</object><object id='2'><components><component objectid='1'/></components></object>"), "");
+        let soup = read_model(
+            &format!(
+                "<object id='1'>{MESH}</object><object id='2'><components><component objectid='1'/></components></object>"
+            ),
+            "",
+        );
         let soup = soup.expect("readable");
         assert_eq!((soup.face_count(), soup.notes.len(), soup.notes[0].repaired), (1, 1, false));
     }
@@ -224,7 +239,10 @@ mod tests {
     #[test]
     fn circles_and_multiplying_components_are_errors() {
         let within = |id: u32, of: u32, times: usize| {
-            format!("<object id='{id}'><components>{}</components></object>", format!("<component objectid='{of}'/>").repeat(times))
+            format!(
+                "<object id='{id}'><components>{}</components></object>",
+                format!("<component objectid='{of}'/>").repeat(times)
+            )
         };
         let error = read_model(&within(1, 1, 1), "<item objectid='1'/>").expect_err("a circle").to_string();
         assert!(error.contains("in themselves"), "{error}");
@@ -257,10 +275,18 @@ mod tests {
 
     #[test]
     fn an_archive_cut_anywhere_is_an_error() {
-        let whole = zip_of(&[("3D/3dmodel.model", &model(&format!("<object id='1'>{MESH}</object>"), "<item objectid='1'/>"))]);
+        let whole =
+            zip_of(&[("3D/3dmodel.model", &model(&format!("<object id='1'>{MESH}</object>"), "<item objectid='1'/>"))]);
         for end in 0..whole.len() {
             read(&whole[..end]).expect_err("cut");
         }
+    }
+
+    /// Found by a fuzzer: a part's name with an end of line in it.
+    #[test]
+    fn a_part_with_a_control_character_in_its_name_gives_one_line() {
+        let error = read(&zip_of(&[("3D/a\nb.model", "<model>")])).expect_err("no end").to_string();
+        assert!(error.starts_with("3D/a?b.model, byte 7: ") && error.lines().count() == 1, "{error}");
     }
 
     #[test]

@@ -171,7 +171,6 @@ pub(super) fn local(name: &str) -> &str {
 }
 
 pub(super) fn xml_error(part: &str, at: u64, what: &str) -> ParseError {
-    let what: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).take(300).collect();
     ParseError::file(format!("{part}, byte {at}: {what}"))
 }
 
@@ -202,7 +201,8 @@ fn triangle(element: &BytesStart<'_>) -> Result<[u32; 3], String> {
     for attribute in attributes(element) {
         if let [b'v', digit @ b'1'..=b'3'] = *attribute.key.as_ref().as_bytes() {
             let value = text::count(attribute.value.trim().as_bytes());
-            let value = value.ok_or_else(|| format!("{} is no vertex number", text::quoted(attribute.value.as_bytes())))?;
+            let value =
+                value.ok_or_else(|| format!("{} is no vertex number", text::quoted(attribute.value.as_bytes())))?;
             corners[usize::from(digit - b'1')] = Some(value);
         }
     }
@@ -240,9 +240,8 @@ fn reference(element: &BytesStart<'_>) -> Result<Reference, String> {
 /// Twelve numbers, row by row of a matrix that row vectors are multiplied with.
 fn affine(value: &[u8]) -> Result<DAffine3, String> {
     let numbers: Vec<f64> = text::words(value).map_while(text::number).take(13).collect();
-    let numbers: [f64; 12] = numbers.try_into().map_err(|_| {
-        format!("a transform has twelve numbers, not {}", text::quoted(value))
-    })?;
+    let numbers: [f64; 12] =
+        numbers.try_into().map_err(|_| format!("a transform has twelve numbers, not {}", text::quoted(value)))?;
     let row = |i: usize| DVec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
     Ok(DAffine3 { matrix3: DMat3::from_cols(row(0), row(3), row(6)), translation: row(9) })
 }
