@@ -1,12 +1,14 @@
 """Reading speed beside trimesh and MeshLab: writes the readers' part of docs/performance.md.
 
-Makes a torus of a million faces in every format, reads each file in turn with the three programs, one
-thread each, and keeps the best of three runs of each, file in the page cache.
+Makes a torus of a million faces in every format and reads each file in turn with the three programs,
+one thread each, file in the page cache. Seconds are those of the processor, which do not depend on
+what else the machine is doing; the best of three runs.
 
-usage: benches/readers.py [FACES]   with the Python of fixtures/make.sh:
-       ~/.cache/osculate/meshlab/bin/python benches/readers.py"""
+usage: benches/readers.py [FACES [FOLDER]]   FOLDER: with programs built for release already
+with the Python of fixtures/make.sh: ~/.cache/osculate/meshlab/bin/python benches/readers.py"""
 import os
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -29,8 +31,11 @@ def cargo(*arguments):
     subprocess.run(["cargo", *arguments], cwd=ROOT, check=True, stdout=sys.stderr)
 
 
-cargo("build", "--release", "--quiet", "--bin", "osculate", "--example", "read_speed")
-target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+if len(sys.argv) > 2:
+    target = Path(sys.argv[2])
+else:
+    cargo("build", "--release", "--quiet", "--bin", "osculate", "--example", "read_speed")
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
 
 
 def make(folder):
@@ -58,9 +63,20 @@ def make(folder):
 def best(read):
     seconds = []
     for _ in range(RUNS):
-        start = time.perf_counter()
+        start = time.process_time()
         read()
-        seconds.append(time.perf_counter() - start)
+        seconds.append(time.process_time() - start)
+    return min(seconds)
+
+
+def osculate(path):
+    """Of a process of its own, which reads the file once."""
+    seconds = []
+    for _ in range(RUNS):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([target / "examples" / "read_speed", "1", path], check=True, stdout=subprocess.DEVNULL)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
     return min(seconds)
 
 
@@ -80,8 +96,7 @@ with tempfile.TemporaryDirectory() as folder:
     for name, file, goal in NAMES:
         path = folder / file
         size = path.stat().st_size / 1e6
-        run = subprocess.run([target / "examples" / "read_speed", str(RUNS), path], check=True, capture_output=True, text=True)
-        ours = float(run.stdout.split("\t")[2])
+        ours = osculate(path)
         plain = best(lambda: trimesh.load_scene(path, process=False))
         merged = best(lambda: trimesh.load(path))
         try:
@@ -99,7 +114,7 @@ for name, size, ours, plain, merged, theirs, goal in rows:
                  f"{plain / ours:.1f} | {merged / ours:.1f} | {lab[1]} |")
 versions = f"trimesh {trimesh.__version__}, pymeshlab {subprocess.run([sys.executable, '-m', 'pip', 'show', 'pymeshlab'], capture_output=True, text=True).stdout.split('Version: ')[1].split()[0]}"
 part = f"""{BEGIN}
-A torus of {FACES:,} faces, single thread, best of {RUNS}, files in the page cache; {versions}. "With
+A torus of {FACES:,} faces, single thread, seconds of the processor, best of {RUNS}, files in the page cache; {versions}. "With
 merging" is what `trimesh.load` does by default: it also welds equal vertices, which Osculate does in a
 later stage.
 

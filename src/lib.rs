@@ -56,7 +56,7 @@ pub use cut::cut;
 pub use disk::{Diameter, Disk, Frame, Leg};
 pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
-pub use inspect::{Defect, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
+pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
     Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_outputs, check_size, read,
     read_bytes, read_with, real_path, remove_unfinished_outputs, write, write_lines, write_mesh, write_svg,

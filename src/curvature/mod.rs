@@ -51,6 +51,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     if options.estimator == Estimator::Auto {
         let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
         fit::estimate(mesh, options, &mut values);
+        values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
         return Ok(values);
     }
     let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
@@ -61,6 +62,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
         estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
         progress.advance(out.len() as u64);
     });
+    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];
@@ -151,11 +153,6 @@ fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
 /// Everything a face gets from its disk.
 fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
     let Principal { k_max, k_min, angle } = principal;
-    // Of a face smaller than 1e-19 the product of the two may be more than 32 bits can hold.
-    let largest = k_max.abs().max(k_min.abs());
-    if !((largest * largest) as f32).is_finite() {
-        return FaceCurvature::NOT_ESTIMATED;
-    }
     let direction = frame.direction(angle);
     FaceCurvature {
         k_max: k_max as f32,

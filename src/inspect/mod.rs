@@ -3,7 +3,7 @@
 mod hints;
 mod places;
 
-pub use places::Defect;
+pub use places::{Defect, DefectPlace};
 
 use crate::error::Error;
 use crate::io::{self, InputFormat, ReadOptions};
