@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example read_speed -- RUNS FILE...`
 
+#![allow(clippy::print_stdout, reason = "the table is what it is for")]
+
 use osculate::{NoProgress, read};
 use std::path::Path;
 use std::time::Instant;

@@ -106,7 +106,7 @@ mod tests {
         for name in ["../shared/a.bin", "shared.bin", "secret.bin", &absolute, "../model/../secret/a.bin"] {
             assert!(own.find(name).expect_err(name).contains("--allow-folder"), "{name}");
         }
-        let allowed = [shared.clone()];
+        let allowed = [shared];
         let more = Folders::new(Some(&model), &allowed);
         for name in ["a.bin", "../shared/a.bin", "shared.bin", &absolute] {
             more.find(name).unwrap_or_else(|e| panic!("{name} {e}"));

@@ -241,7 +241,7 @@ mod tests {
                 BODY.replace("0 1 2 3", "0 1 2 3 255 0 0 # red").replace("3 0 1 2\n", "3 0 1 2 0.5 0.5 0.5")
             ),
             format!("COFF\n4 2 0\n{}", BODY.replace(" 0\n1", " 0 255 0 0 255\n1")),
-            format!("STCN4OFF\n4 2 0\n0 0 0 1\n2 0 0 2 9 9\n1 1 0 1\n0 1 0 1\n4 0 1 2 3\n3 0 1 2\n"),
+            "STCN4OFF\n4 2 0\n0 0 0 1\n2 0 0 2 9 9\n1 1 0 1\n0 1 0 1\n4 0 1 2 3\n3 0 1 2\n".to_owned(),
         ] {
             assert_eq!(triangles(&text), [[0, 1, 2], [0, 2, 3], [0, 1, 2]], "{text}");
             assert_eq!(read(text.as_bytes()).expect("readable").positions.get(1).to_array(), [1.0, 0.0, 0.0]);

@@ -8,8 +8,10 @@ use crate::triangulate::{Outcome, triangulate};
 #[derive(Default)]
 pub(super) struct Polygons {
     corners: Vec<u32>,
-    /// The end of each polygon in `corners`.
-    ends: Vec<usize>,
+    /// The corners of polygons that have ended.
+    ended: usize,
+    /// The end of each polygon in `corners`; `None` as long as all are triangles, as most are.
+    ends: Option<Vec<usize>>,
     too_few: usize,
 }
 
@@ -20,50 +22,51 @@ impl Polygons {
         self.corners.push(vertex);
     }
 
-    fn start(&self) -> usize {
-        self.ends.last().copied().unwrap_or(0)
-    }
-
     /// Ends the current polygon.
     #[inline]
     pub(super) fn end_face(&mut self) {
-        let start = self.start();
-        if self.corners.len() - start < 3 {
-            self.corners.truncate(start);
+        let corners = self.corners.len() - self.ended;
+        if corners < 3 {
+            self.corners.truncate(self.ended);
             self.too_few += 1;
-        } else {
-            self.ends.push(self.corners.len());
+            return;
+        }
+        if corners > 3 && self.ends.is_none() {
+            self.ends = Some((1..=self.ended / 3).map(|i| 3 * i).collect());
+        }
+        self.ended = self.corners.len();
+        if let Some(ends) = &mut self.ends {
+            ends.push(self.ended);
         }
     }
 
     /// Ends the current strip: its corners become triangles.
     pub(super) fn end_strip(&mut self) {
-        let strip = self.corners.split_off(self.start());
+        let strip = self.corners.split_off(self.ended);
         for (i, t) in strip.windows(3).enumerate() {
             let [a, b, c] = [t[0], t[1], t[2]];
             // Every other triangle of a strip runs backwards; a repeated corner only moves the strip on.
             if a != b && b != c && c != a {
                 self.corners.extend(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
-                self.ends.push(self.corners.len());
+                self.end_face();
             }
         }
     }
 
     /// The triangles over `positions`. Polygons that name other vertices are left out and told.
     pub(super) fn into_soup(self, positions: Positions) -> Result<Soup, ParseError> {
-        if self.ends.is_empty() {
+        if self.ended == 0 {
             return Err(ParseError::file("there are no faces: a point cloud must be meshed first"));
         }
         let count = positions.len();
-        let most = self.corners.len() - 2 * self.ends.len();
+        let polygons = self.ends.as_ref().map_or(self.ended / 3, Vec::len);
+        let most = self.ended - 2 * polygons;
         if most > MAX_FACES {
             return Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")));
         }
         let mut triangles = Vec::with_capacity(most);
-        let (mut start, mut rough, mut out_of_range, mut first_out) = (0, 0, 0, 0);
-        for (face, &end) in self.ends.iter().enumerate() {
-            let corners = &self.corners[start..end];
-            start = end;
+        let (mut rough, mut out_of_range, mut first_out) = (0, 0, 0);
+        let mut add = |face: usize, corners: &[u32]| {
             if corners.iter().any(|&c| c as usize >= count) {
                 if out_of_range == 0 {
                     first_out = face;
@@ -71,6 +74,21 @@ impl Polygons {
                 out_of_range += 1;
             } else if triangulate(corners, |c| positions.get(c as usize), &mut triangles) == Outcome::Rough {
                 rough += 1;
+            }
+        };
+        match &self.ends {
+            None => self.corners[..self.ended]
+                .as_chunks::<3>()
+                .0
+                .iter()
+                .enumerate()
+                .for_each(|(face, corners)| add(face, corners)),
+            Some(ends) => {
+                let mut start = 0;
+                for (face, &end) in ends.iter().enumerate() {
+                    add(face, &self.corners[start..end]);
+                    start = end;
+                }
             }
         }
         if triangles.is_empty() {

@@ -74,7 +74,7 @@ fn stl(files: &mut Files) {
         files.push((format!("one-{name}.stl"), one));
     }
     // Sizes from the largest to the least that there is, in one file.
-    let mut spread = whole.clone();
+    let mut spread = whole;
     for (i, record) in spread[84..].chunks_exact_mut(50).enumerate() {
         for bytes in record[12..48].as_chunks_mut::<4>().0 {
             *bytes = (f32::from_le_bytes(*bytes) * 10_f32.powi(9 * i as i32 - 36)).to_le_bytes();
@@ -162,7 +162,7 @@ fn ply(files: &mut Files) {
     }
     add("no-properties", header("1000000000", "", "1", "uchar int"), vec![3; 99]);
     add("empty-lists", header("3", XYZ, "60", "uchar int"), vec![0; 96]);
-    add("other", format!("ply\nformat ascii 1.0\nelement other 4000000000\nend_header\n"), Vec::new());
+    add("other", "ply\nformat ascii 1.0\nelement other 4000000000\nend_header\n".into(), Vec::new());
     add(
         "list-of-x",
         header("3", "property list uchar float x\nproperty float y\nproperty float z\n", "1", "uchar int"),
@@ -345,7 +345,7 @@ fn meshopt(files: &mut Files) {
             let view = json!({ "buffer": 1, "byteLength": count.saturating_mul(stride), "extensions": { "EXT_meshopt_compression": {
                 "buffer": 0, "byteLength": 4096, "byteStride": stride, "count": count, "mode": mode
             } } });
-            let accessor = json!({ "bufferView": 0, "componentType": 5126, "count": (count * (mode == "ATTRIBUTES") as u64 / 3).max(1), "type": "VEC3" });
+            let accessor = json!({ "bufferView": 0, "componentType": 5126, "count": (count * u64::from(mode == "ATTRIBUTES") / 3).max(1), "type": "VEC3" });
             let document = json!({
                 "asset": { "version": "2.0" }, "extensionsRequired": ["EXT_meshopt_compression"],
                 "buffers": [{ "byteLength": 4096 }, { "byteLength": 0 }], "bufferViews": [view], "accessors": [accessor],

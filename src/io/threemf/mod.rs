@@ -12,6 +12,7 @@ use archive::Archive;
 use glam::{DAffine3, DVec3};
 use model::{Mesh, Model, Reference};
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Components inside components, at most: more are a circle.
 const MOST_DEEP: usize = 64;
@@ -27,10 +28,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let mut models = HashMap::new();
     let mut open = vec![root.clone()];
     while let Some(part) = open.pop() {
-        if !models.contains_key(&part) {
-            let model = archive.model(&part)?;
+        if let Entry::Vacant(place) = models.entry(part) {
+            let model = archive.model(place.key())?;
             open.extend(model.other_parts().map(str::to_owned));
-            models.insert(part, model);
+            place.insert(model);
         }
     }
     let mut plate = Plate::new(&models, archive.bytes_read());
