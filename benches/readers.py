@@ -114,8 +114,8 @@ for name, size, ours, plain, merged, theirs, goal in rows:
                  f"{plain / ours:.1f} | {merged / ours:.1f} | {lab[1]} |")
 versions = f"trimesh {trimesh.__version__}, pymeshlab {subprocess.run([sys.executable, '-m', 'pip', 'show', 'pymeshlab'], capture_output=True, text=True).stdout.split('Version: ')[1].split()[0]}"
 part = f"""{BEGIN}
-A torus of {FACES:,} faces, single thread, seconds of the processor, best of {RUNS}, files in the page cache; {versions}. "With
-merging" is what `trimesh.load` does by default: it also welds equal vertices, which Osculate does in a
+A torus of {FACES:,} faces, single thread, seconds of the processor, best of {RUNS}, files in the page
+cache; {versions}. "With merging" is what `trimesh.load` does by default: it also welds equal vertices, which Osculate does in a
 later stage.
 
 {chr(10).join(table)}
