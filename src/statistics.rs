@@ -77,10 +77,11 @@ impl CurvatureSummary {
             *classes.entry(value.class).or_default() += 1;
         }
         use Quantity::{Confidence, Coverage, Curvedness, Gauss, GaussPerimeter, KMax, KMin, Mean, Radius, ShapeIndex};
-        let percentiles = [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage, Confidence]
-            .into_iter()
-            .filter_map(|quantity| Some((quantity.token(), percentiles(quantity, values)?)))
-            .collect();
+        let percentiles =
+            [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage, Confidence]
+                .into_iter()
+                .filter_map(|quantity| Some((quantity.token(), percentiles(quantity, values)?)))
+                .collect();
         CurvatureSummary { estimated: values.len() - classes[&FaceClass::NotEstimated], classes, percentiles }
     }
 }

@@ -170,7 +170,7 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
         (file("empty.obj", b" \n"), "empty"),
         (file("letter.stl", b"Dear aunt,\nthank you for the mesh.\n"), "text"),
         (file("letter.ply", b"Dear aunt"), "not PLY"),
-        (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY and glTF"),
+        (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY, OFF, 3MF and glTF"),
         (file("noise.bin", &[7; 300]), "none of"),
         (file("cut.stl", &fixture("suzanne.stl")[..100]), "byte"),
         (file("cut.ply", &fixture("suzanne.ply")[..9000]), "truncated"),

@@ -53,6 +53,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     if options.estimator == Estimator::Auto {
         let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
         fit::estimate(mesh, options, &mut values);
+        values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
         return Ok(values);
     }
     let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
@@ -63,6 +64,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
         estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
         progress.advance(out.len() as u64);
     });
+    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];

@@ -18,6 +18,7 @@ mod indexed;
 mod layout;
 mod lines;
 mod looks;
+mod meshopt;
 mod opened;
 mod pool;
 mod read;
