@@ -84,7 +84,7 @@ pub struct Node {
     pub children: Vec<usize>,
 }
 
-/// Where a file places its bodies. Only glTF has one.
+/// Where a file places its bodies. Only glTF and 3MF have one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// All nodes of the file.
@@ -117,7 +117,7 @@ pub struct Original {
     pub folder: Option<PathBuf>,
     /// Folders besides in which such files may lie.
     pub allowed_folders: Vec<PathBuf>,
-    /// Its content.
+    /// Its content, decompressed, and text as UTF-8.
     pub bytes: Vec<u8>,
 }
 

@@ -105,7 +105,7 @@ fn csv_has_a_row_for_every_face_in_order() {
     assert_eq!(
         lines.next(),
         Some(
-            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage"
+            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage,method,confidence"
         )
     );
     let mut empty = 0;

@@ -120,10 +120,6 @@ impl<'a> Buffers<'a> {
                 return Err(ParseError::json(format!("bufferViews[{index}].byteStride"), what));
             }
         };
-        // Where there is a fallback that is not compressed, it says the same and needs no decoding.
-        let is_compressed = view.extensions.as_ref().is_some_and(|e| is_compressed(&e.others))
-            && (self.meshopt_required || !self.has_data(view.buffer));
-
         let too_long = || {
             let what = format!(
                 "{} elements from byte {} at {stride} bytes each do not fit bufferViews[{index}], which has {} bytes",
@@ -138,7 +134,7 @@ impl<'a> Buffers<'a> {
         let span = (count - 1).checked_mul(stride).and_then(|gaps| gaps.checked_add(run.size)).ok_or_else(too_long)?;
         let end = run.offset.checked_add(span as u64).filter(|&end| end <= view.byte_length.0).ok_or_else(too_long)?;
 
-        let (data, offset) = if is_compressed {
+        let (data, offset) = if self.needs_decoding(view) {
             (self.decoded(view, index)?, 0)
         } else {
             (self.data(view.buffer, index)?, view.byte_offset.map_or(0, |offset| offset.0))
@@ -156,6 +152,20 @@ impl<'a> Buffers<'a> {
         let end = start.checked_add(span).ok_or_else(missing)?;
         let bytes = data.get(start..end).ok_or_else(missing)?;
         Ok(Elements { bytes, stride, size: run.size, count })
+    }
+
+    /// Where there is a fallback that is not compressed, it says the same and needs no decoding.
+    fn needs_decoding(&self, view: &View) -> bool {
+        view.extensions.as_ref().is_some_and(|e| is_compressed(&e.others))
+            && (self.meshopt_required || !self.has_data(view.buffer))
+    }
+
+    /// What a compressed view decodes to; `None` for a view whose bytes are at hand as they are.
+    pub(super) fn unpacked(&self, view: usize) -> Result<Option<&[u8]>, ParseError> {
+        match self.views.get(view).filter(|view| self.needs_decoding(view)) {
+            Some(compressed) => self.decoded(compressed, view).map(Some),
+            None => Ok(None),
+        }
     }
 
     /// The bytes of a compressed view, decoded on the first call.

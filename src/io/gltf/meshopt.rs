@@ -1,12 +1,13 @@
 //! Decoder of `EXT_meshopt_compression` and `KHR_meshopt_compression`, as their appendices A and B
-//! specify the streams. Own code: the crates that decode them wrap a C++ library.
-//!
-//! Filters for normals and rotations are left out: neither positions nor indices can have them.
+//! specify the streams. Own code: the crates that decode them wrap a C++ library. What the filters do to
+//! normals, rotations and colours is in [`super::filters`].
 
+use super::filters;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+/// The extension goes by two names: the vendors' and, since its ratification, Khronos's.
+pub(super) const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// How the extension describes the compressed data of a buffer view.
 #[derive(Debug, Deserialize)]
@@ -46,11 +47,10 @@ impl Compression {
         let is_index = matches!(stride, 2 | 4);
         let filter = self.filter.as_deref().unwrap_or("NONE");
         match (self.mode.as_str(), filter) {
-            ("ATTRIBUTES", "NONE" | "EXPONENTIAL") if stride % 4 == 0 && (4..=256).contains(&stride) => {
+            ("ATTRIBUTES", _) if stride % 4 == 0 && (4..=256).contains(&stride) => {
+                let undo = filters::of(filter, stride)?;
                 let mut out = attributes(data, stride, count).ok_or("the compressed attributes are damaged")?;
-                if filter == "EXPONENTIAL" {
-                    exponential(&mut out);
-                }
+                undo(&mut out);
                 Ok(out)
             }
             ("TRIANGLES", "NONE") if is_index && count % 3 == 0 => {
@@ -59,10 +59,11 @@ impl Compression {
             ("INDICES", "NONE") if is_index => {
                 indices(data, count, stride).ok_or("the compressed indices are damaged".into())
             }
-            ("ATTRIBUTES" | "TRIANGLES" | "INDICES", "NONE" | "EXPONENTIAL") => {
-                Err(format!("{count} elements of {stride} bytes do not fit the mode {}", self.mode))
+            ("ATTRIBUTES" | "TRIANGLES" | "INDICES", _) => {
+                let what = format!("{count} elements of {stride} bytes do not fit the mode {}", self.mode);
+                Err(format!("{what} with the filter {filter:.20}"))
             }
-            (mode, filter) => Err(format!("the mode {mode:.20} with the filter {filter:.20} is not for geometry")),
+            (mode, _) => Err(format!("the mode {mode:.20} is not known")),
         }
     }
 }
@@ -192,15 +193,6 @@ fn groups(body: &mut Bytes<'_>, control: Option<u8>, column: &mut [u8]) -> Optio
         }
     }
     Some(())
-}
-
-/// Each 32-bit word has an exponent in its highest byte and a mantissa below, both signed.
-fn exponential(words: &mut [u8]) {
-    for bytes in words.as_chunks_mut::<4>().0 {
-        let word = i32::from_le_bytes(*bytes);
-        let value = f64::from(word << 8 >> 8) * f64::from(word >> 24).exp2();
-        *bytes = (value as f32).to_le_bytes();
-    }
 }
 
 /// The last sixteen things, newest first. Those never pushed are beyond any number of vertices.
@@ -365,12 +357,5 @@ mod tests {
         let decoded: Vec<u32> = decoded.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).collect();
         assert_eq!(decoded, [5, 20, 6, 18]);
         assert!(indices(&data, 3, 4).is_none() && indices(&data, 5, 4).is_none());
-    }
-
-    #[test]
-    fn exponents_may_be_negative() {
-        let mut words = [(-2_i32 << 24 | 3).to_le_bytes(), (1_i32 << 24 | 0x00ff_ffff).to_le_bytes()].concat();
-        exponential(&mut words);
-        assert_eq!(words, [0.75_f32.to_le_bytes(), (-2.0_f32).to_le_bytes()].concat());
     }
 }

@@ -13,6 +13,7 @@ mod buffers;
 mod container;
 mod document;
 mod draft;
+mod filters;
 mod geometry;
 mod indexed;
 mod layout;

@@ -4,6 +4,7 @@ use super::accessor::Accessors;
 use super::buffers::{Buffers, Source, has_scheme};
 use super::container;
 use super::geometry::{DRACO, Geometry, Material, draco_error, surface_mode};
+use super::meshopt::NAMES as MESHOPT;
 use super::scene::{SceneRoots, read_scene};
 use crate::error::ParseError;
 use crate::io::folders::Folders;
@@ -12,8 +13,6 @@ use gltf_json::{Accessor, Asset, Buffer, Index, Mesh, buffer::View};
 use percent_encoding::percent_decode_str;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-
-const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extensions that need no word when a file requires them: they leave positions, indices and nodes
 /// alone, or are handled.
