@@ -111,7 +111,7 @@ fn csv_has_a_row_for_every_face_in_order() {
     let mut empty = 0;
     for (i, line) in lines.enumerate() {
         let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!((fields.len(), fields[0].parse()), (15, Ok(i)));
+        assert_eq!((fields.len(), fields[0].parse()), (17, Ok(i)));
         if fields[1] == "-1" {
             empty += 1;
             assert!(fields[2..14].iter().all(|f| f.is_empty()), "{line}");

@@ -69,7 +69,7 @@ fn csv(path: &Path) -> HashMap<String, Vec<f32>> {
     columns
 }
 
-const NAMES: [(&str, &str); 17] = [
+const NAMES: [(&str, &str); 18] = [
     ("_FACE_ID", "face"),
     ("_CURVATURE_CLASS", "class"),
     ("_CURVATURE_MAX", "k_max"),
@@ -87,6 +87,7 @@ const NAMES: [(&str, &str); 17] = [
     ("_DIRECTION_MIN_Z", "dir_min_z"),
     ("_RADIUS", "radius"),
     ("_COVERAGE", "coverage"),
+    ("_CONFIDENCE", "confidence"),
 ];
 
 #[test]
