@@ -124,7 +124,7 @@ fn every_attribute_is_a_finite_float_per_corner_and_equals_the_csv() {
                     }
                 }
             }
-            assert_eq!(attributes.len(), 17 + 2, "{input}");
+            assert_eq!(attributes.len(), 18 + 2, "{input}");
             face += faces;
         }
         assert_eq!(face, csv["face"].len(), "{input}");
