@@ -5,7 +5,7 @@ use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
-use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
+use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions};
 use crate::legend;
 use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
@@ -22,6 +22,8 @@ use std::time::Instant;
 /// Settings for [`annotate`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnnotateOptions {
+    /// How to read the input.
+    pub read: ReadOptions,
     /// Welding and edge kinds.
     pub mesh: MeshOptions,
     /// Estimation.
@@ -69,6 +71,7 @@ pub struct AnnotateOptions {
 impl Default for AnnotateOptions {
     fn default() -> Self {
         AnnotateOptions {
+            read: ReadOptions::default(),
             mesh: MeshOptions::default(),
             curvature: CurvatureOptions::default(),
             selection: Selection::default(),
@@ -207,7 +210,7 @@ impl AnnotateOptions {
     }
 }
 
-/// Annotates one file.
+/// Annotates one file; `-` is standard input.
 ///
 /// # Errors
 /// Any [`Error`]; nothing is then written, and what stood at the destination is still there.
@@ -222,7 +225,7 @@ pub fn annotate(
     let options = &options.with_perimeter_if_wanted();
     destination.check_folder()?;
     let start = Instant::now();
-    let (mut soup, input_format) = io::read(input, progress)?;
+    let (mut soup, input_format) = io::read_with(input, &options.read, progress)?;
     let space = options.space(input_format, format)?;
     let others: Vec<PathBuf> = options.edges.iter().chain(&options.legend).chain(&options.reserved).cloned().collect();
     destination.check(format, &others, input, &soup, options.shown().len())?;
@@ -232,7 +235,7 @@ pub fn annotate(
         let what = "has no values of Osculate's to use again; leave --reuse out";
         return Err(Error::Usage(format!("{}: {what}", input.display())));
     }
-    if let Some(scene) = soup.scene.as_mut() {
+    if let Some(scene) = soup.scene.as_mut().filter(|scene| scene.original.is_some()) {
         if format.is_gltf() {
             if matches!(options.carrier, ColorCarrier::Vertex | ColorCarrier::VertexSrgb) {
                 let what = "vertex colours would change the look that the glTF input has; leave --color out";
@@ -273,7 +276,7 @@ pub fn annotate(
     let annotation = Annotation {
         mesh: &mesh,
         values: &values,
-        name: input.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        name: io::mesh_name(input),
         vertex_values: options.vertex_values.then(|| {
             let written = if format.is_gltf() { options.selection.for_gltf() } else { options.selection.for_csv() };
             VertexValues::of(&mesh, &values, &[written, options.shown()].concat())

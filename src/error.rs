@@ -41,23 +41,33 @@ pub struct ParseError {
 impl ParseError {
     /// A parse error about the file as a whole.
     pub fn file(what: impl Into<String>) -> Self {
-        ParseError { place: FilePlace::File, what: what.into() }
+        ParseError { place: FilePlace::File, what: in_one_line(what.into()) }
     }
 
     /// A parse error on a line, counted from 1.
     pub fn line(line: u64, what: impl Into<String>) -> Self {
-        ParseError { place: FilePlace::Line(line), what: what.into() }
+        ParseError { place: FilePlace::Line(line), what: in_one_line(what.into()) }
     }
 
     /// A parse error at a byte offset.
     pub fn byte(offset: u64, what: impl Into<String>) -> Self {
-        ParseError { place: FilePlace::Byte(offset), what: what.into() }
+        ParseError { place: FilePlace::Byte(offset), what: in_one_line(what.into()) }
     }
 
     /// A parse error at a path of a JSON document.
     pub fn json(path: impl Into<String>, what: impl Into<String>) -> Self {
-        ParseError { place: FilePlace::Json(path.into()), what: what.into() }
+        ParseError { place: FilePlace::Json(in_one_line(path.into())), what: in_one_line(what.into()) }
     }
+}
+
+/// A message that quotes a file may hold anything; it is to be read as a sentence.
+pub(crate) fn in_one_line(text: String) -> String {
+    const MOST: usize = 600;
+    if text.len() <= MOST && !text.contains(char::is_control) {
+        return text;
+    }
+    let cut: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).take(MOST).collect();
+    if text.chars().nth(MOST).is_some() { cut + "..." } else { cut }
 }
 
 /// Everything that can go wrong between an input file and an output file.
@@ -124,5 +134,27 @@ impl Error {
     /// True when the reader of an output pipe went away, which is no failure.
     pub fn is_broken_pipe(&self) -> bool {
         matches!(self, Error::Io { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_stay_on_one_line_whatever_a_file_holds() {
+        for error in [
+            ParseError::file("a\nb\r\u{1b}c"),
+            ParseError::line(1, "a\nb"),
+            ParseError::byte(1, "a\nb"),
+            ParseError::json("a\nb", "c\u{85}d"),
+            ParseError::file("\u{1f600}".repeat(10_000)),
+        ] {
+            let text = error.to_string();
+            assert!(!text.contains(char::is_control) && text.chars().count() < 700, "{text}");
+        }
+        assert_eq!(in_one_line("as it is".into()), "as it is");
+        assert_eq!(in_one_line("x".repeat(600)).len(), 600);
+        assert!(in_one_line("x".repeat(601)).ends_with("x..."));
     }
 }

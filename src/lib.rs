@@ -60,10 +60,11 @@ pub use cut::cut;
 pub use disk::{Diameter, Disk, Frame, Leg};
 pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
-pub use inspect::{EdgeLengths, Inspection, SceneSummary, inspect};
+pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
-    Destination, InputFormat, LineScene, Output, OutputFormat, check_outputs, check_size, read, read_bytes, real_path,
-    remove_unfinished_outputs, stored_values, write, write_lines, write_mesh, write_svg,
+    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_outputs, check_size, read,
+    read_bytes, read_with, real_path, remove_unfinished_outputs, stored_values, write, write_lines, write_mesh,
+    write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{

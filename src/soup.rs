@@ -1,5 +1,6 @@
 //! Triangles as a file gives them: nothing welded, nothing repaired, nothing dropped.
 
+use crate::error::in_one_line;
 use glam::DVec3;
 use std::fmt;
 use std::ops::Range;
@@ -83,7 +84,7 @@ pub struct Node {
     pub children: Vec<usize>,
 }
 
-/// Where a file places its bodies. Only glTF has one.
+/// Where a file places its bodies. Only glTF and 3MF have one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// All nodes of the file.
@@ -114,7 +115,9 @@ pub struct Original {
     pub path: PathBuf,
     /// Where the files that it names are; `None` when it came from a stream.
     pub folder: Option<PathBuf>,
-    /// Its content.
+    /// Folders besides in which such files may lie.
+    pub allowed_folders: Vec<PathBuf>,
+    /// Its content, decompressed, and text as UTF-8.
     pub bytes: Vec<u8>,
 }
 
@@ -136,12 +139,12 @@ pub struct Note {
 impl Note {
     /// A note that something was repaired or left out.
     pub fn repaired(message: impl Into<String>) -> Self {
-        Note { message: message.into(), repaired: true }
+        Note { message: in_one_line(message.into()), repaired: true }
     }
 
     /// A note for the reader's information.
     pub fn info(message: impl Into<String>) -> Self {
-        Note { message: message.into(), repaired: false }
+        Note { message: in_one_line(message.into()), repaired: false }
     }
 }
 
@@ -167,6 +170,8 @@ pub struct Soup {
     pub notes: Vec<Note>,
     /// Files besides the input that were read, such as a glTF's buffers.
     pub files: Vec<PathBuf>,
+    /// Metres in one unit of the positions, where the file says so: always in glTF and 3MF.
+    pub metres_per_unit: Option<f64>,
 }
 
 impl Soup {
@@ -185,6 +190,7 @@ impl Soup {
             scene: None,
             notes: Vec::new(),
             files: Vec::new(),
+            metres_per_unit: None,
         }
     }
 

@@ -227,15 +227,20 @@ fn one_triangle_is_a_flat_mesh() {
         osculate::Positions::F64(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]]),
         vec![[0, 1, 2]],
     );
-    let [value] = common::values_of(&soup, &CurvatureOptions::default())[..] else { panic!("one face") };
-    assert_eq!((value.k_max, value.k_min, value.class, value.coverage), (0.0, 0.0, FaceClass::Flat, 0.0));
+    for options in [CurvatureOptions::default(), with(Estimator::Osculating)] {
+        let [value] = common::values_of(&soup, &options)[..] else { panic!("one face") };
+        assert_eq!((value.k_max, value.k_min, value.class), (0.0, 0.0, FaceClass::Flat));
+        if options.estimator == Estimator::Osculating {
+            assert_eq!(value.coverage, 0.0, "every leg ends at the border");
+        }
+    }
 }
 
 /// Three mean edges of the mesh are as long as three mean edges of a face where all faces are alike.
 #[test]
 fn a_factor_of_the_mesh_is_one_of_the_face_on_an_even_mesh() {
     let grid = Grid::new(Surface::Plane, 10, 10);
-    let with = |radius| synthetic(&grid, &CurvatureOptions { radius, ..CurvatureOptions::default() }).0;
+    let with = |radius| synthetic(&grid, &CurvatureOptions { radius, ..with(Estimator::Osculating) }).0;
     for (a, b) in with(Radius::MeshFactor(2.0)).iter().zip(with(Radius::FaceFactor(2.0))) {
         assert!(
             (a.radius - b.radius).abs() < 1e-6 && (a.radius - 2.0 * (0.4 + 0.2 * 2.0_f32.sqrt()) / 3.0).abs() < 1e-5
@@ -246,7 +251,7 @@ fn a_factor_of_the_mesh_is_one_of_the_face_on_an_even_mesh() {
 /// Half of the disk at a straight border is there.
 #[test]
 fn coverage_is_the_share_of_whole_legs() {
-    let options = CurvatureOptions { radius: Radius::Length(0.2), ..CurvatureOptions::default() };
+    let options = CurvatureOptions { radius: Radius::Length(0.2), ..with(Estimator::Osculating) };
     let (values, _) = synthetic(&Grid::new(Surface::Plane, 40, 40), &options);
     assert!(values.iter().filter(|v| v.coverage == 1.0).count() > 1800);
     let at_border = values[40].coverage;

@@ -105,13 +105,13 @@ fn csv_has_a_row_for_every_face_in_order() {
     assert_eq!(
         lines.next(),
         Some(
-            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage"
+            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage,method,confidence"
         )
     );
     let mut empty = 0;
     for (i, line) in lines.enumerate() {
         let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!((fields.len(), fields[0].parse()), (15, Ok(i)));
+        assert_eq!((fields.len(), fields[0].parse()), (17, Ok(i)));
         if fields[1] == "-1" {
             empty += 1;
             assert!(fields[2..14].iter().all(|f| f.is_empty()), "{line}");
@@ -170,7 +170,7 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
         (file("empty.obj", b" \n"), "empty"),
         (file("letter.stl", b"Dear aunt,\nthank you for the mesh.\n"), "text"),
         (file("letter.ply", b"Dear aunt"), "not PLY"),
-        (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY and glTF"),
+        (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY, OFF, 3MF and glTF"),
         (file("noise.bin", &[7; 300]), "none of"),
         (file("cut.stl", &fixture("suzanne.stl")[..100]), "byte"),
         (file("cut.ply", &fixture("suzanne.ply")[..9000]), "truncated"),

@@ -168,3 +168,16 @@ fn defects_leave_the_rest_of_the_mesh_alone() {
     let report = common::mesh_of(&spoilt).report().clone();
     assert_eq!((report.duplicate_faces, report.degenerate_faces, report.non_finite_faces), (1, 1, 1));
 }
+
+/// Found by a fuzzer: curvature of 1e38 and more overflowed to infinity in a face that was said to be
+/// estimated.
+#[test]
+fn curvature_beyond_32_bits_is_no_estimate() {
+    for (exponent, estimated) in [(-18, true), (-21, false), (-38, false), (-42, false)] {
+        let grid = Grid::new(Surface::Sphere { radius: 10_f64.powi(exponent) }, 16, 8);
+        for value in values_of(&grid.build().soup, &CurvatureOptions::default()) {
+            assert_eq!(value.is_estimated(), estimated, "radius 1e{exponent}: {value:?}");
+            assert!(!estimated || (value.gauss().is_finite() && value.k_max.is_finite()), "{value:?}");
+        }
+    }
+}

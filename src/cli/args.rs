@@ -1,15 +1,15 @@
 //! Commands and options. Defaults come from the library; ranges and units stand on each line.
 
 use super::choices::{
-    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, LayoutArg, LogFormat, ReportFormat, ShapeArg, UnitArg,
-    UpArg,
+    AlongArg, CarrierArg, ColorByArg, EstimatorArg, FormatArg, InputFormatArg, LayoutArg, LogFormat, ReportFormat,
+    ShapeArg, UnitArg, UpArg,
 };
 use super::parse::{cells, pair, plane, quantity, radius, radius_factor, range, seeds, threads, vector};
 use clap::{Args, Parser, Subcommand};
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, Selection, Space,
-    TraceOptions,
+    AnnotateOptions, Colormap, CurvatureOptions, InputFormat, MeshOptions, Radius, Range, ReadOptions, Selection,
+    Space, TraceOptions,
 };
 use std::path::PathBuf;
 
@@ -77,8 +77,12 @@ impl Command {
 
 #[derive(Debug, Args)]
 pub(super) struct AnnotateArgs {
-    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
 
     /// File to write; its extension chooses the format: .glb, .gltf, .ply, .csv or .npz. - for standard output
     #[arg(short, long, value_name = "FILE")]
@@ -125,6 +129,28 @@ pub(super) struct AnnotateArgs {
 
     #[command(flatten)]
     pub(super) common: CommonArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Input")]
+pub(super) struct ReadingArgs {
+    /// Input format, where the content does not tell
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    input_format: Option<InputFormatArg>,
+
+    /// Also read files in this folder that the input names, such as a glTF's buffers; may be given
+    /// several times. Default: only those beside the input and below
+    #[arg(long, value_name = "DIR")]
+    allow_folder: Vec<PathBuf>,
+}
+
+impl ReadingArgs {
+    pub(super) fn options(&self) -> Result<ReadOptions, osculate::Error> {
+        if let Some(folder) = self.allow_folder.iter().find(|folder| !folder.is_dir()) {
+            return Err(osculate::Error::Usage(format!("--allow-folder {}: is no folder", folder.display())));
+        }
+        Ok(ReadOptions { format: self.input_format.map(Into::into), allowed_folders: self.allow_folder.clone() })
+    }
 }
 
 #[derive(Debug, Args)]
@@ -241,6 +267,7 @@ pub(super) struct LookArgs {
 impl AnnotateArgs {
     pub(super) fn options(&self) -> Result<AnnotateOptions, osculate::Error> {
         Ok(AnnotateOptions {
+            read: self.reading.options()?,
             mesh: self.mesh.options(),
             curvature: self.estimation.options(),
             selection: self.look.attributes.clone(),
@@ -267,8 +294,12 @@ impl AnnotateArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct InspectArgs {
-    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
 
     /// For people or for machines
     #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
@@ -326,8 +357,12 @@ impl SpaceArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct DiskArgs {
-    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
 
     /// File to write: .glb
     #[arg(short, long, value_name = "FILE")]
@@ -355,8 +390,12 @@ pub(super) struct DiskArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct TraceArgs {
-    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
 
     /// File to write; its extension chooses the format: .glb or .csv
     #[arg(short, long, value_name = "FILE")]
@@ -396,8 +435,12 @@ pub(super) struct TraceArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct SectionArgs {
-    /// Mesh to read: STL, OBJ, PLY, glTF or GLB, told by its content
+    /// Mesh to read: STL, OBJ, PLY, OFF, 3MF, glTF or GLB, told by its content; gzip is undone
+    /// first. - for standard input
     pub(super) input: PathBuf,
+
+    #[command(flatten)]
+    pub(super) reading: ReadingArgs,
 
     /// The plane a x + b y + c z + d = 0, in the input's coordinates; a, b, c not all 0
     #[arg(long, value_name = "A,B,C,D", value_parser = plane, allow_hyphen_values = true)]

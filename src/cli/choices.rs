@@ -1,7 +1,7 @@
 //! Options with a fixed set of values, and what each value stands for in the library.
 
 use clap::ValueEnum;
-use osculate::{Along, ColorCarrier, Estimator, Layout, OutputFormat, Quantity, Unit, UpAxis};
+use osculate::{Along, ColorCarrier, Estimator, InputFormat, Layout, OutputFormat, Quantity, Unit, UpAxis};
 
 /// Declares a value of an option and what it stands for in the library.
 macro_rules! choices {
@@ -51,6 +51,18 @@ choices!(FormatArg => OutputFormat {
     Ply => OutputFormat::Ply,
     Csv => OutputFormat::Csv,
     Npz => OutputFormat::Npz,
+});
+
+choices!(InputFormatArg => InputFormat {
+    Stl => InputFormat::Stl,
+    Obj => InputFormat::Obj,
+    Ply => InputFormat::Ply,
+    Off => InputFormat::Off,
+    #[value(name = "3mf")]
+    ThreeMf => InputFormat::ThreeMf,
+    /// .gltf or .glb
+    #[value(alias = "glb")]
+    Gltf => InputFormat::Gltf,
 });
 
 choices!(UpArg => UpAxis {

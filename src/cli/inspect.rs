@@ -10,7 +10,8 @@ use std::fmt::Write;
 
 pub(super) fn run(args: &InspectArgs, messages: &Messages) -> Result<Outcome, Error> {
     let bars = Bars::new(messages.wants_progress());
-    let inspection = osculate::inspect(&args.input, &args.mesh.options(), args.view, &bars)?;
+    let inspection =
+        osculate::inspect_with(&args.input, &args.reading.options()?, &args.mesh.options(), args.view, &bars)?;
     let text = match args.format {
         ReportFormat::Json => serde_json::to_string_pretty(&inspection).unwrap_or_default() + "\n",
         ReportFormat::Text => describe(&inspection),
@@ -57,6 +58,9 @@ fn describe(found: &Inspection) -> String {
     }
     line("components", &report.components.to_string());
     line("boundary loops", &report.boundary_loops.to_string());
+    if let Some(metres) = found.metres_per_unit {
+        line("unit", &format!("{} m, as the file says", short(metres)));
+    }
     let orientable = if report.non_orientable_components > 0 {
         "not orientable"
     } else if report.flipped_faces > 0 {
@@ -78,8 +82,11 @@ fn describe(found: &Inspection) -> String {
             line("scene bounds", &describe_bounds(bounds));
         }
     }
-    for defect in report.defects() {
-        line("defect", &defect);
+    for (defect, sentence) in found.defects.iter().zip(report.defects()) {
+        let at = |p: &[f64; 3]| format!("({})", p.map(short).join(" "));
+        let places: Vec<String> = defect.places.iter().filter_map(|place| place.at.as_ref().map(at)).collect();
+        let places = if places.is_empty() { String::new() } else { format!(" at {}", places.join(", ")) };
+        line("defect", &format!("{sentence}{places}"));
     }
     for note in &found.notes {
         line(if note.repaired { "repaired" } else { "note" }, &note.message);

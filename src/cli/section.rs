@@ -10,7 +10,7 @@ use serde_json::json;
 
 pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Error> {
     let extension = extension(&args.output, &["glb", "svg"])?;
-    let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
+    let input = read_mesh(&args.input, &args.reading, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
     let [a, b, c, d] = args.plane;
     let normal = DVec3::new(a, b, c);

@@ -65,6 +65,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
             progress.advance(out.len() as u64);
         });
     }
+    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];

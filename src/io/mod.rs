@@ -3,155 +3,38 @@
 mod blocks;
 mod csv;
 mod destination;
+mod folders;
 mod gltf;
+mod gzip;
+mod input;
 mod npz;
 mod obj;
+mod off;
 mod output;
 mod plain;
 mod ply;
 pub(crate) mod png;
+mod polygons;
 mod stl;
 mod svg;
 mod text;
+mod threemf;
 
 pub use destination::{Destination, check_outputs, real_path};
 pub use gltf::{LineScene, write_lines};
+pub(crate) use input::mesh_name;
+pub use input::{InputFormat, ReadOptions, read, read_bytes, read_with};
 pub use output::{Output, remove_unfinished_outputs};
 pub use plain::write_mesh;
 pub use svg::write_svg;
 
 use crate::annotation::{Annotation, ColorCarrier, Layout};
-use crate::error::{Error, ParseError};
+use crate::error::Error;
 use crate::progress::{Progress, Stage};
 use crate::quantity::Selection;
-use crate::soup::{Note, Original, Scene, Soup};
+use crate::soup::{Note, Scene, Soup};
 use crate::stored::StoredValues;
 use std::path::Path;
-use std::sync::Arc;
-
-/// A mesh file format that can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum InputFormat {
-    /// STL, binary or ASCII.
-    Stl,
-    /// Wavefront OBJ.
-    Obj,
-    /// PLY, ASCII or binary.
-    Ply,
-    /// glTF 2.0, `.gltf` or `.glb`.
-    Gltf,
-}
-
-impl InputFormat {
-    /// The format's name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            InputFormat::Stl => "STL",
-            InputFormat::Obj => "OBJ",
-            InputFormat::Ply => "PLY",
-            InputFormat::Gltf => "glTF",
-        }
-    }
-
-    /// True where +Z is usually up; glTF wants +Y.
-    pub fn is_z_up(self) -> bool {
-        self == InputFormat::Stl
-    }
-
-    fn from_extension(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_ascii_lowercase();
-        Some(match extension.to_str()? {
-            "stl" => InputFormat::Stl,
-            "obj" => InputFormat::Obj,
-            "ply" => InputFormat::Ply,
-            "gltf" | "glb" => InputFormat::Gltf,
-            _ => return None,
-        })
-    }
-
-    /// Tells the format by the content first, by the extension second.
-    fn of(path: &Path, bytes: &[u8]) -> Result<Self, ParseError> {
-        let content = bytes.trim_ascii_start();
-        match content {
-            [] => return Err(ParseError::file("the file is empty")),
-            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] if !stl::is_binary(bytes) => {
-                return Err(ParseError::file("the file is UTF-16 text; convert it to UTF-8 first"));
-            }
-            // The size says it all: whatever such a file's header begins with is a comment.
-            _ if stl::is_binary(bytes) => return Ok(InputFormat::Stl),
-            [b'g', b'l', b'T', b'F', ..] | [b'{', ..] => return Ok(InputFormat::Gltf),
-            [0x1f, 0x8b, ..] => return Err(ParseError::file("the file is compressed with gzip; decompress it first")),
-            [b'P', b'K', 3, 4, ..] => {
-                return Err(ParseError::file("the file is a ZIP archive (3MF?); export it as STL, OBJ, PLY or glTF"));
-            }
-            _ if ply::looks_like(content) => return Ok(InputFormat::Ply),
-            _ if stl::is_ascii(content) => return Ok(InputFormat::Stl),
-            _ if obj::looks_like(content) => return Ok(InputFormat::Obj),
-            _ => {}
-        }
-        match InputFormat::from_extension(path) {
-            Some(format @ (InputFormat::Stl | InputFormat::Obj)) => Ok(format),
-            Some(format) => Err(ParseError::file(format!("the content is not {}", format.name()))),
-            None => Err(ParseError::file("the content is none of STL, OBJ, PLY and glTF")),
-        }
-    }
-}
-
-/// Reads a mesh file of any supported format.
-///
-/// # Errors
-/// [`Error::Io`] when the file cannot be read, [`Error::Parse`] when its content is not a mesh.
-pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
-    let metadata = std::fs::metadata(path).map_err(|e| Error::io(path, "read", e))?;
-    if metadata.is_dir() {
-        return Err(Error::Usage(format!("{}: is a folder; name a mesh file in it", path.display())));
-    }
-    progress.begin(Stage::Read, metadata.len());
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, "read", e))?;
-    let folder = path.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
-    let content = without_byte_order_mark(&bytes);
-    let result = InputFormat::of(path, content).and_then(|format| Ok((parse(content, format, folder)?, format)));
-    progress.advance(bytes.len() as u64);
-    progress.end();
-    let (mut soup, format) = result.map_err(|e| Error::parse(path, e))?;
-    if let Some(scene) = &mut soup.scene {
-        let original = Original { path: path.to_path_buf(), folder: folder.map(Path::to_path_buf), bytes };
-        scene.original = Some(Arc::new(original));
-    }
-    Ok((soup, format))
-}
-
-/// Reads a mesh of a known format. `folder` is where files that a glTF names may be found.
-///
-/// # Errors
-/// Place and reason where the content is not what the format promises.
-pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
-    let mut soup = parse(without_byte_order_mark(bytes), format, folder)?;
-    if let Some(scene) = &mut soup.scene {
-        let original =
-            Original { path: "the input".into(), folder: folder.map(Path::to_path_buf), bytes: bytes.to_vec() };
-        scene.original = Some(Arc::new(original));
-    }
-    Ok(soup)
-}
-
-fn parse(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> Result<Soup, ParseError> {
-    match format {
-        InputFormat::Stl => stl::read(bytes),
-        InputFormat::Obj => obj::read(bytes),
-        InputFormat::Ply => ply::read(bytes),
-        InputFormat::Gltf => gltf::read(bytes, folder),
-    }
-}
-
-/// Text may begin with a byte order mark; what is a binary STL by its size has a header that does.
-fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
-    match bytes.strip_prefix(b"\xef\xbb\xbf") {
-        Some(text) if !stl::is_binary(bytes) => text,
-        _ => bytes,
-    }
-}
 
 /// The values of faces that a glTF file carries because Osculate wrote them; `None` where it does not.
 ///

@@ -4,7 +4,8 @@
 //! face, a coloured vertex or one byte that is not UTF-8, and cannot say where (docs/decisions.md).
 //! Tests compare the two on files that both read.
 
-use super::text::{self, Lines};
+use super::folders::Folders;
+use super::text::{self, Lines, Words};
 use crate::error::ParseError;
 use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
 use crate::triangulate::{Outcome, triangulate};
@@ -29,13 +30,16 @@ struct Polygons {
     largest: Option<(u32, u64)>,
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
+/// Reads an OBJ. `folders` are where its materials are looked for, which is only told about.
+pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<Soup, ParseError> {
+    let folders = folders.into();
     let mut positions: Vec<[f64; 3]> = Vec::new();
     let mut polygons = Polygons::default();
     // Per group: its name and the number of polygons before it.
     let mut groups: Vec<(String, usize)> = Vec::new();
-    let (mut object, mut group) = (String::new(), String::new());
+    let (mut object, mut group, mut material) = (String::new(), String::new(), String::new());
     let mut too_few = Vec::new();
+    let mut libraries: Vec<(u64, String)> = Vec::new();
 
     let mut lines = Lines::new(bytes);
     while let Some((line, first)) = lines.next() {
@@ -46,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
         } else {
             first
         };
-        let content = content.split(|&b| b == b'#').next().unwrap_or_default();
+        let content = text::without_comment(content);
         let mut words = text::words(content);
         match words.next() {
             Some(b"v") => positions.push(position(words, line, content)?),
@@ -57,26 +61,58 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
                     too_few.push(line);
                 }
             }
-            Some(keyword @ (b"o" | b"g")) => {
+            Some(keyword @ (b"o" | b"g" | b"usemtl")) => {
                 let name = text::name(&content.trim_ascii()[keyword.len()..]);
-                if keyword == b"o" {
-                    object = name;
-                } else {
-                    group = name;
+                match keyword {
+                    b"o" => object = name,
+                    b"g" => group = name,
+                    _ => material = name,
                 }
-                let full = if object.is_empty() || group.is_empty() {
-                    format!("{object}{group}")
-                } else {
-                    format!("{object}/{group}")
+                // A material divides only what has no other name.
+                let full = match (object.as_str(), group.as_str()) {
+                    ("", "") => material.clone(),
+                    (name, "") | ("", name) => name.to_owned(),
+                    (object, group) => format!("{object}/{group}"),
                 };
                 groups.push((full, polygons.ends.len()));
             }
+            Some(b"mtllib") => libraries.push((line, text::name(&content.trim_ascii()[b"mtllib".len()..]))),
             // Everything else concerns looks, curves or points.
             _ => {}
         }
     }
     polygons.check(positions.len())?;
-    build(positions, &polygons, &groups, &too_few)
+    let mut soup = build(positions, &polygons, &groups, &too_few)?;
+    look_for(&libraries, folders, &mut soup);
+    Ok(soup)
+}
+
+/// Tells of material files that are not there: nothing of them is needed, but a user may want to know.
+fn look_for(libraries: &[(u64, String)], folders: Folders<'_>, soup: &mut Soup) {
+    if folders.base().is_none() {
+        return;
+    }
+    for (line, names) in libraries {
+        // Names may hold spaces, and a line may hold several names.
+        let found = match folders.find(names) {
+            Ok(file) => vec![Ok(file)],
+            Err(_) => names.split_whitespace().map(|name| folders.find(name).map_err(|why| (name, why))).collect(),
+        };
+        for file in found {
+            match file {
+                Ok(file) if soup.files.contains(&file) => {}
+                Ok(file) => soup.files.push(file),
+                Err((name, why)) => soup.notes.push(Note::info(format!(
+                    "line {line}: the materials {} {why}; curvature needs none",
+                    text::quoted(name.as_bytes())
+                ))),
+            }
+            // Thousands of missing files are told as well by the first few.
+            if soup.notes.len() >= 5 {
+                return;
+            }
+        }
+    }
 }
 
 /// A line that ends in a backslash goes on in the next.
@@ -92,10 +128,10 @@ fn join_continued(first: &[u8], lines: &mut Lines<'_>) -> Vec<u8> {
 }
 
 /// The first three numbers; a weight or a colour may follow.
-fn position<'w>(mut words: impl Iterator<Item = &'w [u8]>, line: u64, content: &[u8]) -> Result<[f64; 3], ParseError> {
+fn position(mut words: Words<'_>, line: u64, content: &[u8]) -> Result<[f64; 3], ParseError> {
     let mut point = [0.0; 3];
     for coordinate in &mut point {
-        *coordinate = words.next().and_then(text::number).ok_or_else(|| {
+        *coordinate = words.number().ok_or_else(|| {
             ParseError::line(line, format!("a vertex has three numbers, not {}", text::quoted(content.trim_ascii())))
         })?;
     }
@@ -113,9 +149,7 @@ impl Polygons {
         let start = self.corners.len();
         for word in words {
             let index = word.split(|&b| b == b'/').next().unwrap_or_default();
-            let index: i64 = std::str::from_utf8(index)
-                .ok()
-                .and_then(|s| s.parse().ok())
+            let index = text::integer(index)
                 .ok_or_else(|| ParseError::line(line, format!("{} is no vertex number", text::quoted(word))))?;
             // Positive numbers count from the file's first vertex, negative ones back from here.
             let corner = match index {
@@ -221,7 +255,7 @@ mod tests {
     use super::*;
 
     fn faces(text: &str) -> Vec<[u32; 3]> {
-        read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}")).triangles
+        read(text.as_bytes(), None).unwrap_or_else(|e| panic!("{text}: {e}")).triangles
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -244,7 +278,7 @@ mod tests {
 
     #[test]
     fn vertices_may_carry_weights_and_colours() {
-        let soup = read(b"v 1 2 3 1.0\nv 4 5 6 0.1 0.2 0.3\nv 7 8 9 1 0.1 0.2 0.3\nf 1 2 3").expect("readable");
+        let soup = read(b"v 1 2 3 1.0\nv 4 5 6 0.1 0.2 0.3\nv 7 8 9 1 0.1 0.2 0.3\nf 1 2 3", None).expect("readable");
         assert_eq!(soup.positions, Positions::F64(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]));
     }
 
@@ -253,9 +287,37 @@ mod tests {
         let text = format!("{SQUARE}o body\ng left\nf 1 2 3\ng right\ng left\nusemtl gr?n\nf 1 3 4\no tail\nf 2 3 4\n");
         // A name in Latin-1, as old exporters write it.
         let bytes: Vec<u8> = text.bytes().map(|b| if b == b'?' { 0xfc } else { b }).collect();
-        let soup = read(&bytes).expect("readable");
+        let soup = read(&bytes, None).expect("readable");
         let groups: Vec<_> = soup.groups.iter().map(|g| (g.name.as_str(), g.faces.clone())).collect();
         assert_eq!(groups, [("body/left", 0..2), ("tail/left", 2..3)]);
+    }
+
+    #[test]
+    fn materials_name_what_has_no_other_name() {
+        let text = format!("{SQUARE}usemtl shiny red\nf 1 2 3\nusemtl blue\nf 1 3 4\ng left\nusemtl green\nf 2 3 4\n");
+        let soup = read(text.as_bytes(), None).expect("readable");
+        let names: Vec<_> = soup.groups.iter().map(|g| g.name.as_str()).collect();
+        assert_eq!(names, ["shiny red", "blue", "left"]);
+    }
+
+    #[test]
+    fn missing_materials_are_only_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("my looks.mtl"), "").expect("a file");
+        std::fs::write(folder.path().join("a.mtl"), "").expect("a file");
+        let read_in = |library: &str| {
+            let text = format!("mtllib {library}\n{SQUARE}f 1 2 3\n");
+            read(text.as_bytes(), Some(folder.path())).expect("readable")
+        };
+        for library in ["my looks.mtl", "a.mtl"] {
+            let soup = read_in(library);
+            assert!(soup.notes.is_empty() && soup.files.len() == 1, "{:?}", soup.notes);
+        }
+        for library in ["a.mtl gone.mtl", "../b.mtl a.mtl", "gone.mtl a.mtl"] {
+            let soup = read_in(library);
+            assert_eq!((soup.notes.len(), soup.files.len()), (1, 1), "{:?}", soup.notes);
+            assert!(!soup.notes[0].repaired && soup.notes[0].message.starts_with("line 1: "));
+        }
     }
 
     #[test]
@@ -266,19 +328,19 @@ mod tests {
             ("f -9 1 2", "line 5: vertex -9"),
             ("f a b c", "line 5: \"a\""),
         ] {
-            let error = read(format!("{SQUARE}{face}\n").as_bytes()).expect_err(face).to_string();
+            let error = read(format!("{SQUARE}{face}\n").as_bytes(), None).expect_err(face).to_string();
             assert!(error.starts_with(line), "{error}");
         }
-        assert!(read(b"v 1 2\n").expect_err("two numbers").to_string().starts_with("line 1: "));
-        assert!(read(b"v 1 2 3\n").expect_err("a point").to_string().contains("no faces"));
-        let soup = read(format!("{SQUARE}f 1 2\nf 1 2 3\n").as_bytes()).expect("one face is good");
+        assert!(read(b"v 1 2\n", None).expect_err("two numbers").to_string().starts_with("line 1: "));
+        assert!(read(b"v 1 2 3\n", None).expect_err("a point").to_string().contains("no faces"));
+        let soup = read(format!("{SQUARE}f 1 2\nf 1 2 3\n").as_bytes(), None).expect("one face is good");
         assert!(soup.face_count() == 1 && soup.notes[0].repaired && soup.notes[0].message.contains("line 5"));
     }
 
     #[test]
     fn agrees_with_tobj_on_what_both_read() {
         let text = format!("{SQUARE}v 2 2 2\no a\nf 1 2 3\nf 1//1 3//1 4//1\nf -1 -2 -3\n").replace("//1", "");
-        let ours = read(text.as_bytes()).expect("readable");
+        let ours = read(text.as_bytes(), None).expect("readable");
         let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &tobj::LoadOptions::default(), |_| {
             tobj::load_mtl_buf(&mut &b""[..])
         })

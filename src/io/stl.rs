@@ -54,7 +54,9 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
     let body = &bytes[HEADER..];
     let held = (body.len() / RECORD) as u64;
     let left_over = body.len() % RECORD;
-    let count = held.min(if declared == 0 { held } else { declared });
+    // What is behind the promised triangles is more of them if it has just their size.
+    let more = declared == 0 || left_over == 0;
+    let count = held.min(if more { held } else { declared });
     if count == 0 {
         return Err(ParseError::byte(HEADER as u64, "the file ends before the first triangle"));
     }
@@ -71,9 +73,9 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
         )));
     } else if declared < held || left_over > 0 {
         let extra = body.len() as u64 - RECORD as u64 * count;
-        if declared == 0 {
+        if more {
             notes.push(Note::repaired(format!(
-                "the header says 0 triangles, but the file holds {held}; those are used"
+                "the header says {declared} triangles, but the file holds {held}; those are used"
             )));
         } else {
             notes.push(Note::repaired(format!("{extra} bytes after the last of {count} triangles are ignored")));
@@ -168,17 +170,25 @@ impl Ascii {
     /// Reads the words of a line, of which there may be several statements.
     fn line(&mut self, line: u64, content: &[u8]) -> Result<(), ParseError> {
         let content = content.trim_ascii();
-        let mut words = text::words(content).peekable();
+        let mut words = text::words(content);
         let error = |what: String| Err(ParseError::line(line, what));
         while let Some(word) = words.next() {
-            match word.to_ascii_lowercase().as_slice() {
+            // The longest keyword has eight letters.
+            let mut lower = [0; 8];
+            let length = word.len().min(lower.len() + 1);
+            let lower = lower.get_mut(..length).map(|lower| {
+                lower.copy_from_slice(word);
+                lower.make_ascii_lowercase();
+                &*lower
+            });
+            match lower.unwrap_or_default() {
                 b"vertex" if self.in_facet == 3 => {
                     return error("a facet with more than three vertices; export the file as triangles".into());
                 }
                 b"vertex" => {
                     let mut point = [0.0; 3];
                     for coordinate in &mut point {
-                        let Some(value) = words.next().and_then(text::number) else {
+                        let Some(value) = words.number() else {
                             return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
                         };
                         *coordinate = value;
@@ -208,7 +218,9 @@ impl Ascii {
                 b"endsolid" => {
                     self.ended = true;
                     // Its name, and perhaps the next solid.
-                    while words.next_if(|word| !word.eq_ignore_ascii_case(b"solid")).is_some() {}
+                    while { words }.next().is_some_and(|word| !word.eq_ignore_ascii_case(b"solid")) {
+                        words.next();
+                    }
                 }
                 // What some program leaves behind the last solid is not ours to judge.
                 _ if self.ended => return Ok(()),
@@ -274,11 +286,14 @@ mod tests {
 
     #[test]
     fn a_wrong_count_is_reported_and_the_triangles_that_are_there_are_used() {
-        for (declared, faces) in [(5, 3), (0, 3), (2, 2), (u32::MAX, 3)] {
+        for (declared, faces) in [(5, 3), (0, 3), (2, 3), (u32::MAX, 3)] {
             let soup = read(&binary(b"", declared, 3)).expect("readable");
             assert_eq!(soup.face_count(), faces, "{declared}");
             assert!(soup.notes[0].repaired);
         }
+        let trailing = [binary(b"", 3, 3), b"left behind".to_vec()].concat();
+        let soup = read(&trailing).expect("readable");
+        assert!(soup.face_count() == 3 && soup.notes[0].message.starts_with("11 bytes after the last of 3 triangles"));
         let mut cut = binary(b"", 3, 3);
         cut.truncate(cut.len() - 1);
         assert_eq!(read(&cut).expect("readable").face_count(), 2);

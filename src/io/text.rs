@@ -28,7 +28,7 @@ impl<'b> Iterator for Lines<'b> {
             return None;
         }
         self.number += 1;
-        let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(self.rest.len());
+        let end = memchr::memchr2(b'\n', b'\r', self.rest).unwrap_or(self.rest.len());
         let (line, rest) = self.rest.split_at(end);
         self.rest = match rest {
             [b'\r', b'\n', rest @ ..] | [_, rest @ ..] => rest,
@@ -38,14 +38,84 @@ impl<'b> Iterator for Lines<'b> {
     }
 }
 
+/// A line without what stands behind a `#`.
+pub(super) fn without_comment(line: &[u8]) -> &[u8] {
+    &line[..memchr::memchr(b'#', line).unwrap_or(line.len())]
+}
+
 /// The words of a line.
-pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+pub(super) fn words(line: &[u8]) -> Words<'_> {
+    Words { rest: line }
+}
+
+/// Words with white space between them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Words<'b> {
+    rest: &'b [u8],
+}
+
+impl<'b> Words<'b> {
+    /// Bytes not yet looked at.
+    pub(super) fn rest(&self) -> &'b [u8] {
+        self.rest
+    }
+
+    #[inline]
+    fn skip_space(&mut self) {
+        while let [first, rest @ ..] = self.rest
+            && first.is_ascii_whitespace()
+        {
+            self.rest = rest;
+        }
+    }
+
+    /// The next word as a decimal number, as [`number`] reads it, in one go.
+    #[inline]
+    pub(super) fn number(&mut self) -> Option<f64> {
+        self.skip_space();
+        let word = self.rest.strip_prefix(b"+").unwrap_or(self.rest);
+        let (value, length) = fast_float2::parse_partial(word).ok()?;
+        self.rest = &word[length..];
+        self.rest.first().is_none_or(u8::is_ascii_whitespace).then_some(value)
+    }
+}
+
+impl<'b> Iterator for Words<'b> {
+    type Item = &'b [u8];
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        self.skip_space();
+        let end = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        (!word.is_empty()).then_some(word)
+    }
+}
+
+/// A whole number with or without a sign.
+#[inline]
+pub(super) fn integer(word: &[u8]) -> Option<i64> {
+    let (digits, sign) = match word {
+        [b'-', digits @ ..] => (digits, -1),
+        [b'+', digits @ ..] | digits => (digits, 1),
+    };
+    let add = |sum: i64, &digit: &u8| {
+        let digit = digit.wrapping_sub(b'0');
+        (digit < 10).then(|| 10 * sum + i64::from(digit))
+    };
+    // Eighteen digits cannot overflow, and no file has as many vertices.
+    (1..=18).contains(&digits.len()).then(|| digits.iter().try_fold(0, add)).flatten().map(|sum| sign * sum)
 }
 
 /// A decimal number; also `nan` and `inf`, which files do contain.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     fast_float2::parse(word.strip_prefix(b"+").unwrap_or(word)).ok()
+}
+
+/// A whole number from 0, as vertices and counts are numbered.
+pub(super) fn count(word: &[u8]) -> Option<u32> {
+    u32::try_from(integer(word)?).ok()
 }
 
 /// A word or line for use in a message: readable, and short whatever the file holds.
@@ -60,6 +130,24 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
 pub(super) fn name(bytes: &[u8]) -> String {
     let name: Cow<'_, str> = String::from_utf8_lossy(bytes.trim_ascii());
     name.into_owned()
+}
+
+/// The text of a file in UTF-16 with a byte order mark.
+///
+/// Its first characters must be ASCII: two bytes alone may begin any binary file.
+pub(super) fn from_utf16(bytes: &[u8]) -> Option<String> {
+    let (mark, rest) = bytes.split_first_chunk()?;
+    let unit: fn([u8; 2]) -> u16 = match mark {
+        [0xff, 0xfe] => u16::from_le_bytes,
+        [0xfe, 0xff] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let (pairs, _) = rest.as_chunks();
+    if pairs.is_empty() || pairs.iter().take(4).any(|&pair| !(1..0x80).contains(&unit(pair))) {
+        return None;
+    }
+    let decoded = char::decode_utf16(pairs.iter().map(|&pair| unit(pair)));
+    Some(decoded.map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect())
 }
 
 /// True when the first bytes look like text: no control characters but white space.
@@ -80,12 +168,34 @@ mod tests {
     }
 
     #[test]
+    fn utf_16_is_told_by_its_mark_and_its_first_letters() {
+        let text = "v 1 2 3 # größe \u{1f600}\n";
+        let little: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+        assert_eq!(from_utf16(&little).as_deref(), Some(text));
+        assert_eq!(from_utf16(&big).as_deref(), Some(text));
+        for other in [&b"\xff\xfe"[..], b"\xff\xfe\x00\x01v", b"\xff", text.as_bytes()] {
+            assert_eq!(from_utf16(other), None);
+        }
+    }
+
+    #[test]
     fn numbers_come_in_many_spellings() {
         for (word, value) in [("1e+5", 1e5), (".5", 0.5), ("-.5E-3", -5e-4), ("+2", 2.0), ("3.", 3.0)] {
             assert_eq!(number(word.as_bytes()), Some(value), "{word}");
+            let mut words = words(word.as_bytes());
+            assert_eq!((words.number(), words.number()), (Some(value), None), "{word}");
         }
         assert!(number(b"nan").is_some_and(f64::is_nan));
         assert_eq!(number(b"1,5"), None);
         assert_eq!(number(b"0x1"), None);
+        assert_eq!(words(b" 1.5 2,5").by_ref().number(), Some(1.5));
+        assert!(words(b"2,5 1").number().is_none() && words(b" ").number().is_none());
+        for (word, value) in
+            [("12", Some(12)), ("-3", Some(-3)), ("+4", Some(4)), ("", None), ("-", None), ("1a", None)]
+        {
+            assert_eq!(integer(word.as_bytes()), value, "{word}");
+        }
+        assert_eq!((integer(b"9999999999999999999"), count(b"-1"), count(b"4294967296")), (None, None, None));
     }
 }

@@ -3,7 +3,6 @@
 # usage: python.sh NAME PACKAGE...
 set -eu
 dir=${XDG_CACHE_HOME:-$HOME/.cache}/osculate/$1
-name=$1
 shift
 mkdir -p "$(dirname "$dir")"
 exec 9>"$dir.lock"

@@ -22,7 +22,7 @@ write() { # INPUT NAME OPTION...
     count=$((count + 1))
 }
 
-for input in "$fixtures"/*.{stl,obj,ply,glb,gltf}; do
+for input in "$fixtures"/*.{stl,obj,ply,off,3mf,glb,gltf}; do
     name=$(basename "$input" | tr . _)
     write "$input" "$name.glb"
     write "$input" "$name-apart.gltf"
@@ -31,7 +31,7 @@ for input in "$fixtures"/*.{stl,obj,ply,glb,gltf}; do
     write "$input" "$name-plain.glb" --color-by none --attributes none
     "$program" annotate "$input" -o - --format gltf -q >"$out/$name-embedded.gltf" || [ $? = 3 ]
     case $input in
-        *.stl | *.obj | *.ply)
+        *.stl | *.obj | *.ply | *.off | *.3mf)
             write "$input" "$name-mm.glb" --up z --unit mm
             write "$input" "$name-vertex.glb" --color vertex --color-by gauss
             write "$input" "$name-srgb.glb" --color vertex-srgb
@@ -66,8 +66,14 @@ for file in suzanne.stl scene.glb character.glb; do
     ! grep -vE 'info (UNSUPPORTED_EXTENSION|UNUSED_OBJECT)|\(in the input too\)' "$out/messages"
 done
 
-# The clients.
+# Files of all formats as trimesh reads them.
 export PYTHONDONTWRITEBYTECODE=1
+# shellcheck disable=SC2046 # one word for each package
+python=$(./python.sh readers $(cat requirements.txt))
+"$python" ../../fixtures/make_variants.py "$out/variants"
+"$python" differential.py "$program" "$out/variants"
+
+# The clients.
 seen=$out/clients
 mkdir "$seen"
 python=$(./python.sh views trimesh==5.2.0 pyvista==0.49.1 numpy pillow)

@@ -336,7 +336,7 @@ mod tests {
             .map(|view| serde_json::from_str(&view.to_string()).expect("a view"))
             .collect();
         let accessors = [serde_json::from_str(&accessor.to_string()).expect("an accessor")];
-        let source = Source { file: bin, bin: Some(bin), folder: None };
+        let source = Source { file: bin, bin: Some(bin), folders: crate::io::folders::Folders::default() };
         check(&Accessors::new(&accessors, Buffers::new(&buffers, &views, false, source)))
     }
 

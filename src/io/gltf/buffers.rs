@@ -3,15 +3,15 @@
 //! A buffer is loaded when the first accessor asks for it, so that the images and animations of a
 //! large scene are never read.
 
+use super::meshopt::{self, is_compressed};
 use crate::error::ParseError;
+use crate::io::folders::Folders;
 use base64::Engine;
 use base64::engine::general_purpose::{GeneralPurpose, PAD_INDIFFERENT};
 use gltf_json::{Buffer, Index, buffer::View};
 use percent_encoding::percent_decode_str;
-use serde_json::{Map, Value};
 use std::borrow::Cow;
-use std::cell::OnceCell;
-use std::path::{Component, Path};
+use std::cell::{Cell, OnceCell};
 
 /// Where the bytes of buffers can come from.
 pub(super) struct Source<'a> {
@@ -19,8 +19,8 @@ pub(super) struct Source<'a> {
     pub(super) file: &'a [u8],
     /// The BIN chunk of a GLB.
     pub(super) bin: Option<&'a [u8]>,
-    /// Where external files may be; `None` when the input is a stream.
-    pub(super) folder: Option<&'a Path>,
+    /// Where external files may be.
+    pub(super) folders: Folders<'a>,
 }
 
 /// The buffers and buffer views of a document.
@@ -30,7 +30,16 @@ pub(super) struct Buffers<'a> {
     source: Source<'a>,
     meshopt_required: bool,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// Views that were compressed.
+    decoded: Vec<OnceCell<Vec<u8>>>,
+    /// Bytes of all decoded views.
+    decoded_bytes: Cell<usize>,
 }
+
+/// What compressed views may always expand to together, and beyond that for each byte of input.
+/// Positions shrink to a tenth, constant ones to a thousandth.
+const FREE_DECODED: usize = 32 << 20;
+const MOST_EXPANSION: usize = 200;
 
 /// Equally spaced elements in a buffer, all inside the bytes that are really there.
 #[derive(Clone, Copy)]
@@ -81,7 +90,8 @@ impl<'a> Buffers<'a> {
     /// `meshopt_required` says that compressed views have no other content to fall back on.
     pub(super) fn new(buffers: &'a [Buffer], views: &'a [View], meshopt_required: bool, source: Source<'a>) -> Self {
         let loaded = buffers.iter().map(|_| OnceCell::new()).collect();
-        Buffers { buffers, views, source, meshopt_required, loaded }
+        let decoded = views.iter().map(|_| OnceCell::new()).collect();
+        Buffers { buffers, views, source, meshopt_required, loaded, decoded, decoded_bytes: Cell::new(0) }
     }
 
     /// Bytes read so far: what a document may reasonably be expanded from.
@@ -110,12 +120,6 @@ impl<'a> Buffers<'a> {
                 return Err(ParseError::json(format!("bufferViews[{index}].byteStride"), what));
             }
         };
-        if view.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others))
-            && (self.meshopt_required || !self.has_data(view.buffer))
-        {
-            return Err(meshopt_error(format!("bufferViews[{index}].extensions")));
-        }
-
         let too_long = || {
             let what = format!(
                 "{} elements from byte {} at {stride} bytes each do not fit bufferViews[{index}], which has {} bytes",
@@ -130,27 +134,71 @@ impl<'a> Buffers<'a> {
         let span = (count - 1).checked_mul(stride).and_then(|gaps| gaps.checked_add(run.size)).ok_or_else(too_long)?;
         let end = run.offset.checked_add(span as u64).filter(|&end| end <= view.byte_length.0).ok_or_else(too_long)?;
 
-        let data = self.data(view.buffer, index)?;
+        let (data, offset) = if self.needs_decoding(view) {
+            (self.decoded(view, index)?, 0)
+        } else {
+            (self.data(view.buffer, index)?, view.byte_offset.map_or(0, |offset| offset.0))
+        };
         let missing = || {
             let buffer = view.buffer.value();
             let what = format!(
-                "the view's bytes are needed up to {end} from byte {}, but buffers[{buffer}] has only {} bytes",
-                view.byte_offset.map_or(0, |offset| offset.0),
+                "the view's bytes are needed up to {end} from byte {offset}, but buffers[{buffer}] has only {} bytes",
                 data.len()
             );
             ParseError::json(format!("bufferViews[{index}]"), what)
         };
-        let start = view.byte_offset.map_or(0, |offset| offset.0).checked_add(run.offset).ok_or_else(missing)?;
+        let start = offset.checked_add(run.offset).ok_or_else(missing)?;
         let start = usize::try_from(start).map_err(|_| missing())?;
         let end = start.checked_add(span).ok_or_else(missing)?;
         let bytes = data.get(start..end).ok_or_else(missing)?;
         Ok(Elements { bytes, stride, size: run.size, count })
     }
 
+    /// Where there is a fallback that is not compressed, it says the same and needs no decoding.
+    fn needs_decoding(&self, view: &View) -> bool {
+        view.extensions.as_ref().is_some_and(|e| is_compressed(&e.others))
+            && (self.meshopt_required || !self.has_data(view.buffer))
+    }
+
+    /// What a compressed view decodes to; `None` for a view whose bytes are at hand as they are.
+    pub(super) fn unpacked(&self, view: usize) -> Result<Option<&[u8]>, ParseError> {
+        match self.views.get(view).filter(|view| self.needs_decoding(view)) {
+            Some(compressed) => self.decoded(compressed, view).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// The bytes of a compressed view, decoded on the first call.
+    fn decoded(&self, view: &View, index: usize) -> Result<&[u8], ParseError> {
+        let cell = &self.decoded[index];
+        if let Some(bytes) = cell.get() {
+            return Ok(bytes);
+        }
+        let path = format!("bufferViews[{index}].extensions");
+        let failed = |what: String| ParseError::json(&path, format!("the data is compressed with meshopt, but {what}"));
+        let description = view.extensions.as_ref().and_then(|e| meshopt::description(&e.others));
+        let compression = description.unwrap_or_else(|| Err("nothing says how".into())).map_err(failed)?;
+
+        let data = self.data(Index::new(compression.buffer), index)?;
+        let start = usize::try_from(compression.byte_offset).unwrap_or(usize::MAX);
+        let end = start.saturating_add(usize::try_from(compression.byte_length).unwrap_or(usize::MAX));
+        let data = data.get(start..end).ok_or_else(|| {
+            failed(format!("its bytes {start} to {end} are not in the buffer, which has {}", data.len()))
+        })?;
+        let limit = FREE_DECODED.max(self.bytes_at_hand().saturating_mul(MOST_EXPANSION));
+        let total = compression.decoded_length().and_then(|length| length.checked_add(self.decoded_bytes.get()));
+        let total = total.filter(|&total| total <= limit).ok_or_else(|| {
+            failed(format!("it expands to more than {limit} bytes, {MOST_EXPANSION} times the file's size"))
+        })?;
+        let bytes = compression.decode(data).map_err(failed)?;
+        self.decoded_bytes.set(total);
+        Ok(cell.get_or_init(|| bytes))
+    }
+
     /// True when the buffer says where its bytes are.
     fn has_data(&self, index: Index<Buffer>) -> bool {
         self.buffers.get(index.value()).is_some_and(|buffer| {
-            let placeholder = buffer.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others));
+            let placeholder = buffer.extensions.as_ref().is_some_and(|e| is_compressed(&e.others));
             buffer.uri.is_some() || (index.value() == 0 && self.source.bin.is_some() && !placeholder)
         })
     }
@@ -159,7 +207,7 @@ impl<'a> Buffers<'a> {
     /// compressed view decodes to.
     pub(super) fn whole(&self, index: usize) -> Result<Option<&[u8]>, ParseError> {
         let Some(buffer) = self.buffers.get(index) else { return Ok(None) };
-        let is_placeholder = buffer.extensions.as_ref().is_some_and(|e| has_meshopt(&e.others));
+        let is_placeholder = buffer.extensions.as_ref().is_some_and(|e| is_compressed(&e.others));
         if is_placeholder && buffer.uri.is_none() {
             return Ok(None);
         }
@@ -177,9 +225,8 @@ impl<'a> Buffers<'a> {
             return Ok(bytes);
         }
         let bytes = match (&buffer.uri, self.source.bin) {
-            (Some(uri), _) => {
-                load(uri, self.source.folder).map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?
-            }
+            (Some(uri), _) => load(uri, self.source.folders)
+                .map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?,
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 let what =
@@ -191,21 +238,11 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The extension goes by two names: the vendors' and, since its ratification, Khronos's.
-fn has_meshopt(extensions: &Map<String, Value>) -> bool {
-    extensions.contains_key("EXT_meshopt_compression") || extensions.contains_key("KHR_meshopt_compression")
-}
-
-fn meshopt_error(path: String) -> ParseError {
-    let way_out = "`gltf-transform copy in.glb out.glb` decodes it";
-    ParseError::json(path, format!("the data is compressed with meshopt, which is not read here; {way_out}"))
-}
-
 /// The bytes behind a URI, or why there are none.
-pub(super) fn load<'a>(uri: &'a str, folder: Option<&Path>) -> Result<Cow<'a, [u8]>, String> {
+pub(super) fn load<'a>(uri: &'a str, folders: Folders<'_>) -> Result<Cow<'a, [u8]>, String> {
     match uri.get(..5) {
         Some(scheme) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(&uri[5..]),
-        _ => read_external(uri, folder).map(Cow::Owned),
+        _ => read_external(uri, folders).map(Cow::Owned),
     }
 }
 
@@ -229,39 +266,15 @@ fn decode_data_uri(rest: &str) -> Result<Cow<'_, [u8]>, String> {
     bytes.map(Cow::Owned).map_err(|error| format!("the base64 data cannot be decoded: {error}"))
 }
 
-/// Reads a file that must lie in or below `folder`: a model may not make us read anything else.
-fn read_external(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, String> {
+/// Reads a file that must lie where a model's files may.
+fn read_external(uri: &str, folders: Folders<'_>) -> Result<Vec<u8>, String> {
     let cut: String = uri.chars().take(80).collect();
     if has_scheme(uri) {
         return Err(format!("\"{cut}\" is not read: only paths relative to the model's folder are"));
     }
-    let Some(folder) = folder else {
-        return Err(format!(
-            "\"{cut}\" is a file of its own, which cannot be found from a stream; give the model's path, or a GLB"
-        ));
-    };
     let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| format!("\"{cut}\" is not UTF-8"))?;
-    let path = Path::new(&*decoded);
-    for component in path.components() {
-        let reason = match component {
-            Component::Normal(_) | Component::CurDir => continue,
-            Component::ParentDir => "`..` may lead out of the model's folder",
-            Component::RootDir | Component::Prefix(_) => "only paths relative to the model's folder are",
-        };
-        return Err(format!("\"{cut}\" is not read: {reason}"));
-    }
-    let cannot = |error| format!("\"{cut}\" cannot be read: {error}");
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let folder = folder.canonicalize().map_err(cannot)?;
-    let file = folder.join(path).canonicalize().map_err(cannot)?;
-    if !file.starts_with(&folder) {
-        return Err(format!("\"{cut}\" is not read: it is a link that leads out of the model's folder"));
-    }
-    // A pipe or a device in the folder would block or never end.
-    if !file.metadata().map_err(cannot)?.is_file() {
-        return Err(format!("\"{cut}\" cannot be read: it is not a file"));
-    }
-    std::fs::read(file).map_err(cannot)
+    let file = folders.find(&decoded).map_err(|why| format!("\"{cut}\" {why}"))?;
+    std::fs::read(file).map_err(|error| format!("\"{cut}\" cannot be read: {error}"))
 }
 
 /// True for `http:`, `file:` and their like, Windows drive letters among them (RFC 3986, 3.1).
@@ -276,6 +289,7 @@ pub(super) fn has_scheme(uri: &str) -> bool {
 mod tests {
     use super::*;
     use gltf_json::validation::USize64;
+    use serde_json::Value;
     use std::fs;
 
     fn buffers(value: Value) -> Vec<Buffer> {
@@ -295,7 +309,7 @@ mod tests {
     }
 
     fn source(bin: &[u8]) -> Source<'_> {
-        Source { file: bin, bin: Some(bin), folder: None }
+        Source { file: bin, bin: Some(bin), folders: Folders::default() }
     }
 
     #[test]
@@ -309,10 +323,10 @@ mod tests {
             ("data:text/plain;charset=utf-8,a%20b,%00c", b"a b,\0c"),
             ("data:,", b""),
         ] {
-            assert_eq!(&*load(uri, None).unwrap_or_else(|e| panic!("{uri}: {e}")), expected, "{uri}");
+            assert_eq!(&*load(uri, Folders::default()).unwrap_or_else(|e| panic!("{uri}: {e}")), expected, "{uri}");
         }
-        assert!(load("data:;base64", None).expect_err("no comma").contains("comma"));
-        assert!(load("data:;base64,A$", None).expect_err("a dollar").contains("base64"));
+        assert!(load("data:;base64", Folders::default()).expect_err("no comma").contains("comma"));
+        assert!(load("data:;base64,A$", Folders::default()).expect_err("a dollar").contains("base64"));
     }
 
     #[test]
@@ -321,12 +335,12 @@ mod tests {
         fs::create_dir(folder.path().join("sub")).expect("a folder");
         fs::write(folder.path().join("sub/my büffer#1.bin"), b"1234").expect("a file");
         for uri in ["sub/my%20b%C3%BCffer%231.bin", "./sub/my büffer#1.bin"] {
-            assert_eq!(&*load(uri, Some(folder.path())).unwrap_or_else(|e| panic!("{uri}: {e}")), b"1234");
+            assert_eq!(&*load(uri, Some(folder.path()).into()).unwrap_or_else(|e| panic!("{uri}: {e}")), b"1234");
         }
-        let missing = load("none.bin", Some(folder.path())).expect_err("missing");
+        let missing = load("none.bin", Some(folder.path()).into()).expect_err("missing");
         assert!(missing.contains("\"none.bin\" cannot be read: "), "{missing}");
-        assert!(load("sub", Some(folder.path())).expect_err("a folder").contains("not a file"));
-        assert!(load("sub/x.bin", None).expect_err("a stream").contains("stream"));
+        assert!(load("sub", Some(folder.path()).into()).expect_err("a folder").contains("not a file"));
+        assert!(load("sub/x.bin", Folders::default()).expect_err("a stream").contains("stream"));
     }
 
     #[test]
@@ -346,11 +360,11 @@ mod tests {
             "https://example.org/a.bin",
             "C:\\a.bin",
         ] {
-            let error = load(uri, Some(&folder)).expect_err(uri);
+            let error = load(uri, Some(folder.as_path()).into()).expect_err(uri);
             assert!(error.contains("is not read"), "{uri}: {error}");
         }
         for uri in ["", ".", "a%00b", "%ff"] {
-            load(uri, Some(&folder)).expect_err(uri);
+            load(uri, Some(folder.as_path()).into()).expect_err(uri);
         }
     }
 
@@ -365,9 +379,9 @@ mod tests {
         std::os::unix::fs::symlink("own.bin", folder.join("inside.bin")).expect("a link");
         std::os::unix::fs::symlink("../secret.bin", folder.join("outside.bin")).expect("a link");
         std::os::unix::fs::symlink(outer.path(), folder.join("up")).expect("a link");
-        assert_eq!(&*load("inside.bin", Some(&folder)).expect("inside"), b"own");
+        assert_eq!(&*load("inside.bin", Some(folder.as_path()).into()).expect("inside"), b"own");
         for uri in ["outside.bin", "up/secret.bin"] {
-            assert!(load(uri, Some(&folder)).expect_err(uri).contains("leads out"));
+            assert!(load(uri, Some(folder.as_path()).into()).expect_err(uri).contains("leads out"));
         }
     }
 
@@ -408,22 +422,32 @@ mod tests {
     }
 
     #[test]
-    fn compressed_views_are_read_only_from_a_real_fallback() {
-        let views = view(
-            r#"{ "buffer": 1, "byteLength": 4, "extensions": { "EXT_meshopt_compression":
-                { "buffer": 0, "byteLength": 2, "byteStride": 1, "count": 4, "mode": "ATTRIBUTES" } } }"#,
-        );
+    fn compressed_views_are_decoded_where_there_is_no_fallback() {
+        // One element of four bytes: all deltas zero, so that it is the baseline at the end.
+        let data = [&[0xa0, 0, 0, 0, 0][..], &[0; 28], b"wxyz"].concat();
+        let extension = |length: usize, count: u64| {
+            format!(
+                r#"{{ "buffer": 1, "byteLength": 4, "extensions": {{ "EXT_meshopt_compression":
+                {{ "buffer": 0, "byteLength": {length}, "byteStride": 4, "count": {count}, "mode": "ATTRIBUTES" }} }} }}"#
+            )
+        };
         let empty = buffers(serde_json::json!([
             { "byteLength": 4 }, { "byteLength": 4, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }
         ]));
         let full = buffers(serde_json::json!([{ "byteLength": 4 }, { "byteLength": 4, "uri": "data:,abcd" }]));
-        let read = |list: &[Buffer], required| {
-            let all = Buffers::new(list, &views, required, source(b"xxxx"));
+        let read = |list: &[Buffer], required, length, count| {
+            let views = view(&extension(length, count));
+            let all = Buffers::new(list, &views, required, source(&data));
             all.elements(&run(0, 4, 1)).map(|elements| elements.get(0).to_vec())
         };
-        assert_eq!(read(&full, false).expect("a fallback"), b"abcd");
-        for error in [read(&empty, false), read(&full, true)] {
-            assert!(error.expect_err("compressed").to_string().contains("gltf-transform copy"));
+        assert_eq!(read(&full, false, 37, 1).expect("a fallback"), b"abcd");
+        assert_eq!(read(&empty, false, 37, 1).expect("compressed"), b"wxyz");
+        assert_eq!(read(&full, true, 37, 1).expect("compressed"), b"wxyz");
+        for (length, count, what) in
+            [(37, 1 << 24, "expands"), (37, u64::MAX, "expands"), (36, 1, "damaged"), (99, 1, "not in the buffer")]
+        {
+            let error = read(&empty, true, length, count).expect_err(what).to_string();
+            assert!(error.starts_with("bufferViews[0].extensions: ") && error.contains(what), "{error}");
         }
     }
 }

@@ -7,6 +7,7 @@
 
 use super::buffers::Buffers;
 use super::layout::Stream;
+use super::meshopt::NAMES as MESHOPT;
 use super::references::{Kind, Object, counts, index, visit};
 use crate::error::ParseError;
 use serde_json::{Value, json};
@@ -173,6 +174,9 @@ impl<'a> Draft<'a> {
     /// # Errors
     /// Place and reason where a buffer of the original cannot be read.
     pub(super) fn pack(mut self, given: Option<&'a Buffers<'_>>, limit: u64) -> Result<Packed<'a>, ParseError> {
+        if let Some(given) = given {
+            self.decompress(given)?;
+        }
         self.compact();
         let mut pieces = Vec::new();
         // Where the kept parts of the original's buffers went: buffer, range, piece.
@@ -180,13 +184,17 @@ impl<'a> Draft<'a> {
         let mut placeholders: Vec<(usize, Value)> = Vec::new();
         let old: Vec<Value> = std::mem::take(self.list("buffers"));
         let mut cuts = self.cuts();
+        let needed: BTreeSet<usize> = self.old_views().filter_map(|view| index(view.get("buffer")?)).collect();
         for (b, buffer) in old.iter().enumerate() {
             let bytes = match given {
                 Some(given) => given.whole(b)?,
                 None => None,
             };
             let Some(bytes) = bytes else {
-                placeholders.push((b, buffer.clone()));
+                // One that stood for what compressed views decode to has done its duty.
+                if needed.contains(&b) {
+                    placeholders.push((b, buffer.clone()));
+                }
                 continue;
             };
             let declared = buffer.get("byteLength").and_then(Value::as_u64).unwrap_or(u64::MAX);
@@ -237,13 +245,7 @@ impl<'a> Draft<'a> {
                     let (buffer, offset) = places[first_new + piece];
                     put(view, buffer, offset);
                 }
-                None => {
-                    relocate(view, &find, &number_of);
-                    for name in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
-                        let compressed = view.get_mut("extensions").and_then(|e| e.get_mut(name));
-                        compressed.into_iter().for_each(|compressed| relocate(compressed, &find, &number_of));
-                    }
-                }
+                None => relocate(view, &find, &number_of),
             }
         }
 
@@ -268,12 +270,48 @@ impl<'a> Draft<'a> {
         Ok(Packed { root: self.root, pieces, buffers })
     }
 
+    /// Puts what compressed views decode to in their place: the vertices beside them are not
+    /// compressed either, and few programs can read such files.
+    fn decompress(&mut self, given: &'a Buffers<'_>) -> Result<(), ParseError> {
+        for v in 0..self.list("bufferViews").len() {
+            if self.placed.contains_key(&v) {
+                continue;
+            }
+            let view = &mut self.list("bufferViews")[v];
+            let ranges = ranges_of(view);
+            if !drop_meshopt(view) {
+                continue;
+            }
+            if let Some(bytes) = given.unpacked(v)? {
+                view["byteLength"] = bytes.len().into();
+                self.placed.insert(v, self.pieces.len());
+                self.pieces.push(Piece::Given(bytes));
+            }
+            // What a view with a fallback shows is needed still, and is not cut out.
+            self.dropped.extend(ranges);
+        }
+        for buffer in self.list("buffers") {
+            drop_meshopt(buffer);
+        }
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let Some(Value::Array(names)) = self.root.get_mut(list) else { continue };
+            names.retain(|name| !MESHOPT.iter().any(|meshopt| name == meshopt));
+            if names.is_empty() {
+                self.root.remove(list);
+            }
+        }
+        Ok(())
+    }
+
+    /// The original's views that still show its own bytes.
+    fn old_views(&self) -> impl Iterator<Item = &Value> {
+        let views = self.root.get("bufferViews").and_then(Value::as_array).into_iter().flatten();
+        views.enumerate().filter(|(v, _)| !self.placed.contains_key(v)).map(|(_, view)| view)
+    }
+
     /// What may be cut out of each of the original's buffers: dropped, and nothing else needs it.
     fn cuts(&self) -> BTreeMap<usize, Vec<Range<u64>>> {
-        let placed = &self.placed;
-        let views = self.root.get("bufferViews").and_then(Value::as_array);
-        let old = views.into_iter().flatten().enumerate().filter(|(v, _)| !placed.contains_key(v));
-        let needed = merged(old.flat_map(|(_, view)| ranges_of(view)));
+        let needed = merged(self.old_views().flat_map(ranges_of));
         let mut dropped = merged(self.dropped.iter().cloned());
         for (buffer, dropped) in &mut dropped {
             let Some(needed) = needed.get(buffer) else { continue };
@@ -373,9 +411,23 @@ fn ranges_of(view: &Value) -> Vec<(usize, Range<u64>)> {
         let length = object.get("byteLength")?.as_u64()?;
         Some((buffer, start..start.checked_add(length)?))
     };
-    let compressed = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-    let compressed = compressed.iter().filter_map(|name| view.get("extensions")?.get(name));
+    let compressed = MESHOPT.iter().filter_map(|name| view.get("extensions")?.get(name));
     std::iter::once(view).chain(compressed).filter_map(of).collect()
+}
+
+/// Takes the words about compression out of a view or a buffer; true when there were any.
+fn drop_meshopt(object: &mut Value) -> bool {
+    let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else { return false };
+    let before = extensions.len();
+    extensions.retain(|name, _| !MESHOPT.contains(&name.as_str()));
+    let found = extensions.len() < before;
+    if extensions.is_empty()
+        && found
+        && let Some(object) = object.as_object_mut()
+    {
+        object.remove("extensions");
+    }
+    found
 }
 
 fn put(object: &mut Value, buffer: usize, offset: u64) {

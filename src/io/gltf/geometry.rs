@@ -12,7 +12,7 @@ use std::ops::Range;
 /// How many vertices or faces a document may expand to by sharing accessors: that many for
 /// nothing, and beyond them that many for each byte of input. Without sharing there is less than
 /// one per byte, so that no honest file comes near.
-const FREE_ELEMENTS: usize = 1 << 24;
+const FREE_ELEMENTS: usize = 1 << 20;
 const ELEMENTS_PER_BYTE: usize = 16;
 
 /// Faces name their vertices in 32 bits.

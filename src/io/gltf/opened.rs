@@ -7,6 +7,7 @@ use super::read::{Document, parse, requires_meshopt};
 use super::references::Object;
 use super::strip::VARIANTS;
 use crate::error::{Error, ParseError};
+use crate::io::folders::Folders;
 use crate::io::real_path;
 use crate::soup::{Original, PrimitiveFaces, Scene};
 use serde_json::Value;
@@ -64,9 +65,14 @@ impl<'o> Opened<'o> {
         self.original.folder.as_deref().is_some_and(|own| real(own) == real(folder))
     }
 
+    /// Where files that it names may lie.
+    fn folders(&self) -> Folders<'_> {
+        Folders::new(self.original.folder.as_deref(), &self.original.allowed_folders)
+    }
+
     /// Its accessors over its buffers.
     pub(super) fn accessors(&self) -> Accessors<'_> {
-        let source = Source { file: &self.original.bytes, bin: self.bin, folder: self.original.folder.as_deref() };
+        let source = Source { file: &self.original.bytes, bin: self.bin, folders: self.folders() };
         let meshopt = requires_meshopt(&self.document.extensions_required);
         let buffers = Buffers::new(&self.document.buffers, &self.document.buffer_views, meshopt, source);
         Accessors::new(&self.document.accessors, buffers)
@@ -77,7 +83,7 @@ impl<'o> Opened<'o> {
         if has_scheme(uri) {
             return None;
         }
-        load(uri, self.original.folder.as_deref()).ok().map(|bytes| bytes.into_owned())
+        load(uri, self.folders()).ok().map(|bytes| bytes.into_owned())
     }
 
     /// Names the original in an error.

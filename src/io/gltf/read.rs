@@ -4,15 +4,15 @@ use super::accessor::Accessors;
 use super::buffers::{Buffers, Source, has_scheme};
 use super::container;
 use super::geometry::{DRACO, Geometry, Material, draco_error, surface_mode};
+use super::meshopt::NAMES as MESHOPT;
 use super::scene::{SceneRoots, read_scene};
 use crate::error::ParseError;
+use crate::io::folders::Folders;
 use crate::soup::{Note, Positions, Soup};
 use gltf_json::{Accessor, Asset, Buffer, Index, Mesh, buffer::View};
 use percent_encoding::percent_decode_str;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-
-const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extensions that need no word when a file requires them: they leave positions, indices and nodes
 /// alone, or are handled.
@@ -58,13 +58,13 @@ pub(super) struct Document {
     scenes: Vec<SceneRoots>,
 }
 
-/// Reads a `.glb` or a `.gltf` file. `folder` is where its external buffers are looked for; `None`,
-/// for a stream, makes them an error.
+/// Reads a `.glb` or a `.gltf` file. `folders` are where its external buffers are looked for.
 ///
 /// # Errors
 /// Place and reason where the file is not glTF 2.0, its geometry cannot be found, or there are no
 /// triangles in it.
-pub(in crate::io) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup, ParseError> {
+pub(in crate::io) fn read<'a>(bytes: &'a [u8], folders: impl Into<Folders<'a>>) -> Result<Soup, ParseError> {
+    let folders = folders.into();
     let mut notes = Vec::new();
     let (document, bin) = if container::is_glb(bytes) {
         let chunks = container::split(bytes, &mut notes)?;
@@ -74,7 +74,7 @@ pub(in crate::io) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup, P
     };
     check_version(&document.asset.version)?;
     let meshopt_required = check_extensions(&document.extensions_required, &mut notes)?;
-    let source = Source { file: bytes, bin, folder };
+    let source = Source { file: bytes, bin, folders };
     let buffers = Buffers::new(&document.buffers, &document.buffer_views, meshopt_required, source);
 
     let mut geometry = Geometry::new(Accessors::new(&document.accessors, buffers), &document.materials, notes);
@@ -94,7 +94,8 @@ pub(in crate::io) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Soup, P
         groups: geometry.groups,
         scene: Some(scene),
         notes: geometry.notes,
-        files: folder.map(|folder| named_files(&document, folder)).unwrap_or_default(),
+        files: folders.base().map(|folder| named_files(&document, folder)).unwrap_or_default(),
+        metres_per_unit: Some(1.0),
     })
 }
 
@@ -323,6 +324,9 @@ pub(super) mod tests {
         assert!(
             error_of(&[], &json!({ "asset": { "version": "3.1" } })).starts_with("asset.version: this is glTF 3.1")
         );
+        // Found by a fuzzer: a version with an end of line in it.
+        let error = error_of(&[], &json!({ "asset": { "version": "ve\n" } }));
+        assert!(error.contains("glTF ve?;"), "{error}");
         let first = br#"{ "asset": { "version": "1.0" }, "nodes": { "a": {} }, "meshes": {} }"#;
         assert!(read(first, None).expect_err("version 1").to_string().contains("glTF 1.0"));
     }

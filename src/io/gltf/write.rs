@@ -35,6 +35,9 @@ pub(in crate::io) fn check_original(scene: &Scene, force: bool) -> Result<Vec<No
         for buffer in 0..opened.document.buffers.len() {
             accessors.buffers().whole(buffer).map_err(|e| opened.error(e))?;
         }
+        for view in 0..opened.document.buffer_views.len() {
+            accessors.buffers().unpacked(view).map_err(|e| opened.error(e))?;
+        }
     }
     Ok(notes)
 }

@@ -1,6 +1,7 @@
 //! PLY, both ways.
 
 mod read;
+mod rows;
 mod values;
 mod write;
 

@@ -4,11 +4,11 @@
 //! can be stepped over. Nothing is allocated on the word of a header: what an element claims to
 //! hold is checked against the bytes that are there.
 
+use super::rows;
 use super::values::{Element, Property, Scalar, Values, header};
 use crate::error::ParseError;
-use crate::soup::{MAX_FACES, Note, Positions, Soup};
-use crate::triangulate::{Outcome, triangulate};
-use glam::DVec3;
+use crate::io::polygons::Polygons;
+use crate::soup::{Positions, Soup};
 
 /// True when the file begins as every PLY does.
 pub(in crate::io) fn looks_like(bytes: &[u8]) -> bool {
@@ -18,13 +18,12 @@ pub(in crate::io) fn looks_like(bytes: &[u8]) -> bool {
 pub(in crate::io) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
     let (encoding, elements, mut values) = header(bytes)?;
     let mut positions = None;
-    let mut faces = Faces::default();
+    let mut polygons = Polygons::default();
     for element in &elements {
         values.check(element, encoding)?;
         match element.name.as_slice() {
             b"vertex" => positions = Some(vertices(element, &mut values)?),
-            b"face" => faces.read(element, b"vertex_ind", &mut values)?,
-            b"tristrips" => faces.read(element, b"vertex_ind", &mut values)?,
+            b"face" | b"tristrips" => faces(element, &mut values, &mut polygons)?,
             _ => {
                 for _ in 0..element.count {
                     for property in &element.properties {
@@ -35,10 +34,7 @@ pub(in crate::io) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
         }
     }
     let positions = positions.ok_or_else(|| ParseError::file("the header has no vertex element"))?;
-    if faces.ends.is_empty() {
-        return Err(ParseError::file("there are no faces: a point cloud must be meshed first"));
-    }
-    faces.build(positions)
+    polygons.into_soup(positions)
 }
 
 fn vertices(element: &Element, values: &mut Values<'_>) -> Result<Positions, ParseError> {
@@ -50,6 +46,21 @@ fn vertices(element: &Element, values: &mut Values<'_>) -> Result<Positions, Par
         return Err(ParseError::file("the vertex element lacks one of the properties x, y, z"));
     }
     let in_f32 = element.properties.iter().zip(&axes).all(|(p, a)| a.is_none() || p.scalar == Scalar::F32);
+    if let Some((rows, stride, big)) = values.rows(element) {
+        let mut offsets = [(0, Scalar::F32); 3];
+        let mut offset = 0;
+        for (property, axis) in element.properties.iter().zip(&axes) {
+            if let Some(axis) = axis {
+                offsets[*axis] = (offset, property.scalar);
+            }
+            offset += property.scalar.size();
+        }
+        return Ok(if in_f32 {
+            Positions::F32(rows::points_f32(rows, stride, big, offsets.map(|(at, _)| at)))
+        } else {
+            Positions::F64(rows::points(rows, stride, big, offsets))
+        });
+    }
     let mut points = Vec::with_capacity(element.count as usize);
     for _ in 0..element.count {
         let mut point = [0.0; 3];
@@ -69,112 +80,42 @@ fn vertices(element: &Element, values: &mut Values<'_>) -> Result<Positions, Par
     })
 }
 
-/// Polygons as read: indices are checked once the number of vertices is known.
-#[derive(Default)]
-struct Faces {
-    corners: Vec<u32>,
-    ends: Vec<usize>,
-    too_few: usize,
-}
-
-impl Faces {
-    fn read(&mut self, element: &Element, list_name: &[u8], values: &mut Values<'_>) -> Result<(), ParseError> {
-        let strips = element.name == b"tristrips";
-        // vertex_indices or vertex_index, whichever the writer preferred.
-        let at = element.properties.iter().position(|p| p.list.is_some() && p.name.starts_with(list_name));
-        let at = at.ok_or_else(|| ParseError::file("the face element lacks the list property vertex_indices"))?;
-        for _ in 0..element.count {
-            for (i, property) in element.properties.iter().enumerate() {
-                let Some(list) = property.list.filter(|_| i == at) else {
-                    values.skip(property)?;
+/// Reads the corner lists of faces or strips.
+fn faces(element: &Element, values: &mut Values<'_>, polygons: &mut Polygons) -> Result<(), ParseError> {
+    let strips = element.name == b"tristrips";
+    // vertex_indices or vertex_index, whichever the writer preferred.
+    let at = element.properties.iter().position(|p| p.list.is_some() && p.name.starts_with(b"vertex_ind"));
+    let at = at.ok_or_else(|| ParseError::file("the face element lacks the list property vertex_indices"))?;
+    if !strips && let Some(result) = rows::faces(element, at, values, polygons) {
+        return result;
+    }
+    for _ in 0..element.count {
+        for (i, property) in element.properties.iter().enumerate() {
+            let Some(list) = property.list.filter(|_| i == at) else {
+                values.skip(property)?;
+                continue;
+            };
+            let count = values.next_count(list)?;
+            for _ in 0..count {
+                let index = values.next(property.scalar)?;
+                // In a strip, -1 ends one run of triangles and begins the next.
+                if strips && index == -1.0 {
+                    polygons.end_strip();
                     continue;
-                };
-                let count = values.next_count(list)?;
-                let start = self.corners.len();
-                for _ in 0..count {
-                    let index = values.next(property.scalar)?;
-                    // In a strip, -1 ends one run of triangles and begins the next.
-                    if strips && index == -1.0 {
-                        self.strip(start);
-                        continue;
-                    }
-                    if !(0.0..f64::from(u32::MAX)).contains(&index) || index.fract() != 0.0 {
-                        return Err(values.error(format!("{index} is no vertex number")));
-                    }
-                    self.corners.push(index as u32);
                 }
-                if strips {
-                    self.strip(start);
-                } else if count < 3 {
-                    self.corners.truncate(start);
-                    self.too_few += 1;
-                } else {
-                    self.ends.push(self.corners.len());
+                if !(0.0..f64::from(u32::MAX)).contains(&index) || index.fract() != 0.0 {
+                    return Err(values.error(format!("{index} is no vertex number")));
                 }
+                polygons.corner(index as u32);
             }
-        }
-        Ok(())
-    }
-
-    /// Replaces the run of strip corners behind the last whole triangle by its triangles.
-    fn strip(&mut self, start: usize) {
-        let from = self.ends.last().copied().unwrap_or(0).max(start);
-        let run = self.corners.split_off(from);
-        for (i, t) in run.windows(3).enumerate() {
-            let [a, b, c] = [t[0], t[1], t[2]];
-            // Every other triangle of a strip runs backwards; a repeated corner only moves the strip on.
-            if a != b && b != c && c != a {
-                self.corners.extend(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
-                self.ends.push(self.corners.len());
+            if strips {
+                polygons.end_strip();
+            } else {
+                polygons.end_face();
             }
         }
     }
-
-    fn build(&self, positions: Positions) -> Result<Soup, ParseError> {
-        let count = positions.len();
-        let mut triangles = Vec::with_capacity(self.corners.len() - 2 * self.ends.len());
-        let (mut start, mut rough, mut out_of_range, mut first_out) = (0, 0, 0, 0);
-        for (face, &end) in self.ends.iter().enumerate() {
-            let corners = &self.corners[start..end];
-            start = end;
-            if corners.iter().any(|&c| c as usize >= count) {
-                if out_of_range == 0 {
-                    first_out = face;
-                }
-                out_of_range += 1;
-            } else if triangulate(corners, |c| position(&positions, c), &mut triangles) == Outcome::Rough {
-                rough += 1;
-            }
-        }
-        if triangles.len() > MAX_FACES {
-            return Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")));
-        }
-        if triangles.is_empty() {
-            return Err(ParseError::file(format!(
-                "all faces name vertices out of range: the file has {count} vertices"
-            )));
-        }
-        let mut soup = Soup::new(positions, triangles);
-        if out_of_range > 0 {
-            soup.notes.push(Note::repaired(format!(
-                "{out_of_range} faces name vertices out of range ({count} vertices) and are left out, the first is face {first_out}"
-            )));
-        }
-        if self.too_few > 0 {
-            soup.notes
-                .push(Note::repaired(format!("{} faces with fewer than three corners are left out", self.too_few)));
-        }
-        if rough > 0 {
-            soup.notes.push(Note::info(format!(
-                "{rough} polygons cross themselves or have no area; their triangles may overlap"
-            )));
-        }
-        Ok(soup)
-    }
-}
-
-fn position(positions: &Positions, index: u32) -> DVec3 {
-    positions.get(index as usize)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -224,6 +165,41 @@ mod tests {
         assert!(matches!(soup.positions, Positions::F32(_)));
         assert_eq!(read(&binary("binary_little_endian", false)).expect("little"), soup);
         assert_eq!(read(&binary("binary_big_endian", true)).expect("big"), soup);
+    }
+
+    #[test]
+    fn rows_of_other_types_say_the_same() {
+        let soup = read(ascii().as_bytes()).expect("ascii");
+        for (big, order) in [(false, "little"), (true, "big")] {
+            for (kind, size) in [("ushort", 2), ("short", 2), ("uint", 4), ("int", 4), ("uchar", 1)] {
+                let mut bytes = format!("ply\nformat binary_{order}_endian 1.0\nelement vertex 4\nproperty uchar red\nproperty double x\nproperty float y\nproperty short z\nelement face 2\nproperty uchar a\nproperty list int {kind} vertex_index\nproperty double b\nend_header\n").into_bytes();
+                let mut put = |value: &[u8]| {
+                    let mut value = value.to_vec();
+                    if big {
+                        value.reverse();
+                    }
+                    bytes.extend(value);
+                };
+                for [x, y] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0_f32]] {
+                    put(&[9]);
+                    put(&f64::from(x).to_le_bytes());
+                    put(&y.to_le_bytes());
+                    put(&0_i16.to_le_bytes());
+                }
+                for corners in [&[0_u32, 1, 2, 3][..], &[0, 1, 2]] {
+                    put(&[1]);
+                    put(&(corners.len() as i32).to_le_bytes());
+                    corners.iter().for_each(|c| put(&c.to_le_bytes()[..size]));
+                    put(&2.5_f64.to_le_bytes());
+                }
+                let other = read(&bytes).unwrap_or_else(|e| panic!("{kind} {order}: {e}"));
+                assert_eq!(other.triangles, soup.triangles, "{kind} {order}");
+                assert!((0..4).all(|v| other.positions.get(v) == soup.positions.get(v)), "{kind} {order}");
+                for end in 0..bytes.len() {
+                    assert!(read(&bytes[..end]).is_err(), "cut at {end}");
+                }
+            }
+        }
     }
 
     #[test]

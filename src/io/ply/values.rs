@@ -1,7 +1,7 @@
 //! The header of a PLY file and the values behind it, in any encoding.
 
 use crate::error::ParseError;
-use crate::io::text::{self, Lines};
+use crate::io::text::{self, Lines, Words};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scalar {
@@ -30,12 +30,33 @@ impl Scalar {
         })
     }
 
-    fn size(self) -> usize {
+    pub(super) fn size(self) -> usize {
         match self {
             Scalar::I8 | Scalar::U8 => 1,
             Scalar::I16 | Scalar::U16 => 2,
             Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
             Scalar::F64 => 8,
+        }
+    }
+
+    /// A value of this type. All but f64 fit an f64 exactly. `raw` has [`Scalar::size`] bytes.
+    #[inline]
+    pub(super) fn decode(self, raw: &[u8], big: bool) -> f64 {
+        let mut w = [0; 8];
+        let size = raw.len().min(8);
+        w[..size].copy_from_slice(&raw[..size]);
+        if big {
+            w[..size].reverse();
+        }
+        match self {
+            Scalar::I8 => i8::from_le_bytes([w[0]]).into(),
+            Scalar::U8 => w[0].into(),
+            Scalar::I16 => i16::from_le_bytes([w[0], w[1]]).into(),
+            Scalar::U16 => u16::from_le_bytes([w[0], w[1]]).into(),
+            Scalar::I32 => i32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
+            Scalar::U32 => u32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
+            Scalar::F32 => f32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
+            Scalar::F64 => f64::from_le_bytes(w),
         }
     }
 }
@@ -104,7 +125,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Encoding, Vec<Element>, Values<'_>
                 let body = lines.rest();
                 let at = bytes.len() - body.len();
                 let values = match encoding {
-                    Encoding::Ascii => Values::Ascii { lines, line, content: b"" },
+                    Encoding::Ascii => Values::Ascii { lines, line, words: text::words(b"") },
                     _ => Values::Binary { bytes, at, big: encoding == Encoding::Big },
                 };
                 return Ok((encoding, elements, values));
@@ -118,7 +139,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Encoding, Vec<Element>, Values<'_>
 /// The values behind the header, one after another.
 #[derive(Clone)]
 pub(super) enum Values<'b> {
-    Ascii { lines: Lines<'b>, line: u64, content: &'b [u8] },
+    Ascii { lines: Lines<'b>, line: u64, words: Words<'b> },
     Binary { bytes: &'b [u8], at: usize, big: bool },
 }
 
@@ -126,7 +147,7 @@ impl Values<'_> {
     /// Bytes not yet read.
     fn left(&self) -> usize {
         match self {
-            Values::Ascii { lines, content, .. } => content.len() + lines.rest().len(),
+            Values::Ascii { lines, words, .. } => words.rest().len() + lines.rest().len(),
             Values::Binary { bytes, at, .. } => bytes.len() - at,
         }
     }
@@ -163,21 +184,19 @@ impl Values<'_> {
 
     pub(super) fn next(&mut self, scalar: Scalar) -> Result<f64, ParseError> {
         match self {
-            Values::Ascii { lines, line, content } => loop {
-                let start = content.iter().position(|b| !b.is_ascii_whitespace());
-                let Some(start) = start else {
+            Values::Ascii { lines, line, words } => loop {
+                if words.rest().trim_ascii_start().is_empty() {
                     let Some((number, next)) = lines.next() else {
                         return Err(ParseError::line(*line, "the file ends before its last value"));
                     };
-                    (*line, *content) = (number, next);
+                    (*line, *words) = (number, text::words(next));
                     continue;
-                };
-                let rest = &content[start..];
-                let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-                let word = &rest[..end];
-                *content = &rest[end..];
-                return text::number(word)
-                    .ok_or_else(|| ParseError::line(*line, format!("{} is no number", text::quoted(word))));
+                }
+                let mut here = *words;
+                return words.number().ok_or_else(|| {
+                    let word = here.next().unwrap_or_default();
+                    ParseError::line(*line, format!("{} is no number", text::quoted(word)))
+                });
             },
             Values::Binary { bytes, at, big } => {
                 let size = scalar.size();
@@ -185,14 +204,23 @@ impl Values<'_> {
                     return Err(ParseError::byte(*at as u64, "the file ends before its last value"));
                 };
                 *at += size;
-                let mut word = [0; 8];
-                word[..size].copy_from_slice(raw);
-                if *big {
-                    word[..size].reverse();
-                }
-                Ok(decode(scalar, word))
+                Ok(scalar.decode(raw, *big))
             }
         }
+    }
+
+    /// All rows of a binary element without lists, with the bytes of each and their order;
+    /// `None` for others.
+    pub(super) fn rows(&mut self, element: &Element) -> Option<(&[u8], usize, bool)> {
+        let Values::Binary { bytes, at, big } = self else { return None };
+        if element.properties.iter().any(|property| property.list.is_some()) {
+            return None;
+        }
+        let stride: usize = element.properties.iter().map(|property| property.scalar.size()).sum();
+        let length = usize::try_from(element.count).ok()?.checked_mul(stride)?;
+        let rows = bytes.get(*at..)?.get(..length)?;
+        *at += length;
+        Some((rows, stride, *big))
     }
 
     /// A whole number of at least 0, such as the length of a list.
@@ -213,19 +241,5 @@ impl Values<'_> {
             self.next(property.scalar)?;
         }
         Ok(())
-    }
-}
-
-/// A little-endian value in the first bytes of a word. All but f64 fit an f64 exactly.
-fn decode(scalar: Scalar, w: [u8; 8]) -> f64 {
-    match scalar {
-        Scalar::I8 => i8::from_le_bytes([w[0]]).into(),
-        Scalar::U8 => w[0].into(),
-        Scalar::I16 => i16::from_le_bytes([w[0], w[1]]).into(),
-        Scalar::U16 => u16::from_le_bytes([w[0], w[1]]).into(),
-        Scalar::I32 => i32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
-        Scalar::U32 => u32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
-        Scalar::F32 => f32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
-        Scalar::F64 => f64::from_le_bytes(w),
     }
 }

@@ -1,7 +1,12 @@
 //! What a user needs to know about a file before choosing settings.
 
+mod hints;
+mod places;
+
+pub use places::{Defect, DefectPlace};
+
 use crate::error::Error;
-use crate::io::{self, InputFormat};
+use crate::io::{self, InputFormat, ReadOptions};
 use crate::mesh::{Bounds, Face, FaceState, HalfEdge, Mesh, MeshOptions, MeshReport};
 use crate::progress::Progress;
 use crate::soup::{Note, Scene, Transform};
@@ -48,6 +53,12 @@ pub struct Inspection {
     /// The mesh and its defects.
     #[serde(flatten)]
     pub report: MeshReport,
+    /// True when every component has one consistent winding.
+    pub oriented: bool,
+    /// True when no edge has three or more faces.
+    pub manifold: bool,
+    /// Every kind of defect there is, with its first few places.
+    pub defects: Vec<Defect>,
     /// Lengths of all edges.
     pub edge_lengths: Option<EdgeLengths>,
     /// Sum of the areas of all faces, in file units squared.
@@ -58,6 +69,8 @@ pub struct Inspection {
     pub groups: usize,
     /// The placed meshes, for glTF.
     pub scene: Option<SceneSummary>,
+    /// Metres in one unit of the coordinates, where the file says so.
+    pub metres_per_unit: Option<f64>,
     /// Degrees above which an edge counted as a feature.
     pub feature_angle: f64,
     /// What the reader repaired, skipped or wants to mention.
@@ -66,30 +79,48 @@ pub struct Inspection {
     pub suggestions: Vec<String>,
 }
 
-/// Reads a file and says what is in it. `view` is a direction from the viewer to the mesh for which
-/// silhouette edges are counted.
+/// Reads a file and says what is in it, as [`inspect_with`] does by default.
 ///
 /// # Errors
-/// Any [`Error`] of reading or of building the mesh.
+/// Those of [`inspect_with`].
 pub fn inspect(
     input: &Path,
     options: &MeshOptions,
     view: Option<DVec3>,
     progress: &dyn Progress,
 ) -> Result<Inspection, Error> {
+    inspect_with(input, &ReadOptions::default(), options, view, progress)
+}
+
+/// Reads a file and says what is in it. `view` is a direction from the viewer to the mesh for which
+/// silhouette edges are counted.
+///
+/// # Errors
+/// Any [`Error`] of reading or of building the mesh.
+pub fn inspect_with(
+    input: &Path,
+    reading: &ReadOptions,
+    options: &MeshOptions,
+    view: Option<DVec3>,
+    progress: &dyn Progress,
+) -> Result<Inspection, Error> {
     options.check()?;
-    let (soup, format) = io::read(input, progress)?;
+    let (soup, format) = io::read_with(input, reading, progress)?;
     let mesh = Mesh::from_soup(&soup, options).map_err(|e| e.in_file(input))?;
     let edge_lengths = edge_lengths(&mesh);
     let report = mesh.report().clone();
     Ok(Inspection {
         input: input.display().to_string(),
         format,
-        suggestions: suggestions(&report, edge_lengths, options),
+        suggestions: hints::suggest(&mesh, &soup, format, edge_lengths, options),
+        oriented: report.flipped_faces + report.non_orientable_components == 0,
+        manifold: report.edges.non_manifold == 0,
+        defects: places::defects(&mesh),
         edge_lengths,
         area: (0..mesh.face_count() as u32).map(|f| mesh.area(Face(f))).filter(|a| a.is_finite()).sum(),
         silhouette_edges: view.map(|view| count_silhouette(&mesh, view)),
         groups: soup.groups.len(),
+        metres_per_unit: soup.metres_per_unit,
         scene: mesh.scene().map(|scene| summarise(scene, &mesh)),
         feature_angle: options.feature_angle,
         notes: soup.notes.into_iter().chain(report.remarks().into_iter().map(Note::info)).collect(),
@@ -125,19 +156,6 @@ fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
     let at = |share: f64| lengths[(last as f64 * share).round() as usize];
     let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
     Some(EdgeLengths { min: at(0.0), p5: at(0.05), p50: at(0.5), mean, p95: at(0.95), max: at(1.0) })
-}
-
-fn suggestions(report: &MeshReport, lengths: Option<EdgeLengths>, options: &MeshOptions) -> Vec<String> {
-    let mut all = Vec::new();
-    let (Some(lengths), Some(bounds)) = (lengths, report.bounds) else { return all };
-    // Faces that all stand apart are a soup whose corners differ in their last digits.
-    if options.weld == 0.0 && report.faces > 10 && 2 * report.components > report.faces && lengths.p5 > 0.0 {
-        let distance = (0.1 * lengths.p5).min(1e-5 * bounds.size().length());
-        all.push(format!(
-            "most faces have no neighbour: their corners may differ in their last digits; try --weld {distance:.1e}"
-        ));
-    }
-    all
 }
 
 /// Places every mesh of the scene.

@@ -1,0 +1,84 @@
+//! The shapes that nearly all binary PLY files have, read row by row instead of value by value:
+//! vertices without lists, and faces with one list of whole numbers.
+
+use super::values::{Element, Scalar, Values};
+use crate::error::ParseError;
+use crate::io::polygons::Polygons;
+
+/// The coordinates at `offsets` of each row.
+pub(super) fn points(rows: &[u8], stride: usize, big: bool, offsets: [(usize, Scalar); 3]) -> Vec<[f64; 3]> {
+    let read = |row: &[u8]| offsets.map(|(at, scalar)| scalar.decode(&row[at..at + scalar.size()], big));
+    rows.chunks_exact(stride).map(read).collect()
+}
+
+/// The same for three 32-bit floats, which need no conversion.
+pub(super) fn points_f32(rows: &[u8], stride: usize, big: bool, offsets: [usize; 3]) -> Vec<[f32; 3]> {
+    let float = if big { f32::from_be_bytes } else { f32::from_le_bytes };
+    let read = |row: &[u8]| offsets.map(|at| row[at..].first_chunk().map_or(0.0, |&bytes| float(bytes)));
+    rows.chunks_exact(stride).map(read).collect()
+}
+
+/// Reads faces; `None` where the element is of another shape, which leaves `values` as they were.
+pub(super) fn faces(
+    element: &Element,
+    list: usize,
+    values: &mut Values<'_>,
+    polygons: &mut Polygons,
+) -> Option<Result<(), ParseError>> {
+    let Values::Binary { bytes, at, big } = values else { return None };
+    let (before, after) = (&element.properties[..list], &element.properties[list + 1..]);
+    if before.iter().chain(after).any(|property| property.list.is_some()) {
+        return None;
+    }
+    let [before, after] = [before, after].map(|list| list.iter().map(|property| property.scalar.size()).sum::<usize>());
+    let length = element.properties[list].list?;
+    let (bytes, big) = (*bytes, *big);
+    let mut read = |size: usize, corners: &dyn Fn(&[u8], &mut Polygons) -> Option<()>| {
+        for _ in 0..element.count {
+            let failed = |at: usize, what: &str| Err(ParseError::byte(at as u64, what));
+            let start = *at + before;
+            let Some(raw) = bytes.get(start..start + length.size()) else {
+                return failed(*at, "the file ends before its last value");
+            };
+            let count = length.decode(raw, big);
+            let from = start + length.size();
+            let fits = count >= 0.0 && count * size as f64 + after as f64 <= (bytes.len() - from) as f64;
+            if !fits {
+                let what = format!("a list of {count} values does not fit into the file");
+                return Err(ParseError::byte(start as u64, what));
+            }
+            let to = from + count as usize * size;
+            if corners(&bytes[from..to], polygons).is_none() {
+                return failed(from, "a vertex number is below 0");
+            }
+            polygons.end_face();
+            *at = to + after;
+        }
+        Ok(())
+    };
+    let result = match element.properties[list].scalar {
+        Scalar::I32 => read(4, &|raw, polygons| add(raw, polygons, |b| swap(b, big, i32::from_le_bytes).into())),
+        Scalar::U32 => read(4, &|raw, polygons| add(raw, polygons, |b| swap(b, big, u32::from_le_bytes).into())),
+        Scalar::I16 => read(2, &|raw, polygons| add(raw, polygons, |b| swap(b, big, i16::from_le_bytes).into())),
+        Scalar::U16 => read(2, &|raw, polygons| add(raw, polygons, |b| swap(b, big, u16::from_le_bytes).into())),
+        _ => return None,
+    };
+    Some(result)
+}
+
+#[inline]
+fn swap<const N: usize, T>(mut bytes: [u8; N], big: bool, convert: impl Fn([u8; N]) -> T) -> T {
+    if big {
+        bytes.reverse();
+    }
+    convert(bytes)
+}
+
+/// Adds the corners of a face; `None` where one is negative.
+#[inline]
+fn add<const N: usize>(raw: &[u8], polygons: &mut Polygons, convert: impl Fn([u8; N]) -> i64) -> Option<()> {
+    for &bytes in raw.as_chunks::<N>().0 {
+        polygons.corner(u32::try_from(convert(bytes)).ok()?);
+    }
+    Some(())
+}

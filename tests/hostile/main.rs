@@ -1,0 +1,66 @@
+//! Files made to hurt: reading and building the mesh takes no more than a second and 200 MB, nothing
+//! panics up to the last value, and each file ends in a result or in one sentence.
+
+mod table;
+
+use osculate::{AnnotateOptions, Destination, Error, MeshOptions, NoProgress, OutputFormat, annotate, inspect};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+const LONGEST: Duration = Duration::from_secs(1);
+const MOST_MEGABYTES: u64 = 200;
+
+/// The most memory that the process has had since the last call, in MB; `None` where the system
+/// does not tell.
+fn peak_megabytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    // Five resets the peak.
+    std::fs::write("/proc/self/clear_refs", "5").ok()?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes / 1024)
+}
+
+/// What the file ends in: a mesh, or an error that names it in one line.
+fn ends_well<T>(name: &str, run: impl FnOnce() -> Result<T, Error>) -> bool {
+    match catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| panic!("{name} panics")) {
+        Ok(_) => true,
+        Err(error) => {
+            let text = error.to_string();
+            assert!(text.len() < 1000 && text.lines().count() == 1, "{name}: no sentence: {text}");
+            assert!(text.contains(name), "{name}: {text}");
+            false
+        }
+    }
+}
+
+#[test]
+fn hostile_files_do_no_harm() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = table::files();
+    assert!(files.len() >= 120, "the table has {} files", files.len());
+    let output = Destination::File(folder.path().join("out.csv"));
+    let mut read = 0;
+    for (name, bytes) in &files {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("writable");
+        peak_megabytes();
+        // Others may be using the machine: the best of three counts.
+        let mut shortest = Duration::MAX;
+        for _ in 0..3 {
+            let start = Instant::now();
+            ends_well(name, || inspect(&path, &MeshOptions::default(), None, &NoProgress));
+            shortest = shortest.min(start.elapsed());
+            if shortest < LONGEST {
+                break;
+            }
+        }
+        assert!(shortest < LONGEST, "{name} takes {shortest:?}");
+        if let Some(peak) = peak_megabytes() {
+            assert!(peak < MOST_MEGABYTES, "{name} takes {peak} MB");
+        }
+        let all = || annotate(&path, &output, OutputFormat::Csv, &AnnotateOptions::default(), &NoProgress);
+        read += usize::from(ends_well(name, all));
+        std::fs::remove_file(&path).expect("there");
+    }
+    assert!(read > 10 && read < files.len(), "{read} of {} files give a mesh", files.len());
+}
