@@ -105,13 +105,13 @@ fn csv_has_a_row_for_every_face_in_order() {
     assert_eq!(
         lines.next(),
         Some(
-            "face,class,k_max,k_min,mean,gauss,gauss_perimeter,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage,method,confidence"
+            "face,class,k_max,k_min,mean,gauss,dir_max_x,dir_max_y,dir_max_z,dir_min_x,dir_min_y,dir_min_z,radius,coverage,method,confidence"
         )
     );
     let mut empty = 0;
     for (i, line) in lines.enumerate() {
         let fields: Vec<&str> = line.split(',').collect();
-        assert_eq!((fields.len(), fields[0].parse()), (17, Ok(i)));
+        assert_eq!((fields.len(), fields[0].parse()), (16, Ok(i)));
         if fields[1] == "-1" {
             empty += 1;
             assert!(fields[2..14].iter().all(|f| f.is_empty()), "{line}");

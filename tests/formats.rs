@@ -112,7 +112,11 @@ fn formats_agree_on_the_values() {
 #[test]
 fn the_cad_cylinder_is_flat_on_top_and_round_at_its_side() {
     // Long thin facets: the paper's cyl3 uses a radius factor of 0.5.
-    let options = CurvatureOptions { radius: osculate::Radius::FaceFactor(0.5), ..CurvatureOptions::default() };
+    let options = CurvatureOptions {
+        estimator: osculate::Estimator::Osculating,
+        radius: osculate::Radius::FaceFactor(0.5),
+        ..CurvatureOptions::default()
+    };
     let (soup, _) = soup_of("cylinder_holes.stl");
     let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a mesh");
     let values = values_of(&soup, &options);

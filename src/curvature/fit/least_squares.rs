@@ -136,8 +136,8 @@ impl Normal {
     /// Factors the leading block of `width` columns, with `prior` added to the diagonal.
     pub(super) fn factor(&self, width: usize, prior: &[f64; MOST]) -> Factor {
         let mut f = Factor { lower: [[0.0; MOST]; MOST], forward: [0.0; MOST], scale: [0.0; MOST], width };
-        for i in 0..width {
-            let diagonal = self.gram[i][i] + prior[i];
+        for (i, prior) in prior[..width].iter().enumerate() {
+            let diagonal = self.gram[i][i] + prior;
             f.scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
             for j in 0..i {
                 f.lower[i][j] = self.gram[i][j] * f.scale[i] * f.scale[j];
@@ -187,8 +187,8 @@ impl Factor {
         for i in (0..size).rev() {
             x[i] /= self.lower[i][i];
             let solved = x[i];
-            for j in 0..i {
-                x[j] -= self.lower[i][j] * solved;
+            for (x, l) in x[..i].iter_mut().zip(&self.lower[i]) {
+                *x -= l * solved;
             }
         }
     }

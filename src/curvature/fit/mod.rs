@@ -39,6 +39,8 @@ const CHUNK: usize = 1024;
 const GOOD: f64 = 2e-3;
 /// Misfits up to this many times the rounding of coordinates are none.
 const ROUNDING: f64 = 20.0;
+/// Rounding within a fit, in radii of its window.
+const ARITHMETIC: f64 = 1e-12;
 
 /// A face's first value and what later passes need to know of it.
 #[derive(Clone, Copy)]
@@ -125,7 +127,7 @@ pub(super) fn estimate(
                 if outcomes[f].is_uneven
                     && let Some(value) = worker.one_sided(Face(f as u32), &outcomes)
                 {
-                    (*out, *wanted) = (value, false);
+                    (*out, *wanted) = (FaceCurvature { coverage: out.coverage, ..value }, false);
                 }
             }
         },
@@ -175,7 +177,7 @@ impl Worker<'_> {
         let unit = fit.surface.frame.unit;
         let misfit = (fit.misfit / (unit * unit)) as f32;
         let is_good = fit.error < GOOD * bend;
-        let is_uneven = fit.misfit > ROUNDING * self.quantum;
+        let is_uneven = fit.misfit > ROUNDING * self.quantum + ARITHMETIC * fit.radius;
         Outcome { value, misfit, is_uneven, is_doubtful: is_uneven && !is_good }
     }
 

@@ -55,18 +55,23 @@ impl Patch {
     }
 }
 
-/// Faces of which none shares a vertex with another: those whose number is the greatest around, where
-/// numbers are drawn from positions, so that the order of faces plays no part.
+/// Faces of which none shares a vertex with another: those whose number is the greatest around. Numbers
+/// are drawn from the cells of a fine grid over the mesh, so that neither the order of faces nor the
+/// place and size of the mesh plays a part.
 pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
+    const CELLS: f64 = (1 << 18) as f64;
     let mesh = ground.mesh;
+    let (corner, size) = mesh.report().bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
+    let corner = corner - mesh.origin();
     let mix = |mut x: u64| {
         x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
         x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
         x ^ (x >> 33)
     };
     let draw = |f: u32| {
-        let of_corner = |p: &DVec3| p.to_array().iter().fold(0, |h, c| mix(h ^ c.to_bits()));
-        mix(mesh.triangle(Face(f)).iter().map(of_corner).fold(0, u64::wrapping_add))
+        let cell = (mesh.barycentre(Face(f)) - corner) * (CELLS / size);
+        // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
+        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).max(0.0) as u64))
     };
     let numbers: Vec<u64> =
         (0..wanted.len() as u32).into_par_iter().map(|f| if wanted[f as usize] { draw(f) } else { 0 }).collect();
@@ -213,7 +218,7 @@ impl Mean {
         let share = 1.0 / self.weight;
         let tensor = projection * (self.tensor * share) * projection;
         let finite = tensor.is_finite() && self.weight > 0.0;
-        finite.then(|| Blended {
+        finite.then_some(Blended {
             shape: Shape { normal, tensor },
             radius: self.radius * share,
             error: self.error * share,
