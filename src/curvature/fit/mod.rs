@@ -151,9 +151,13 @@ pub(super) fn estimate(
     } else {
         (scale::estimate(&ground, &seeds, &wanted), Method::Patches)
     };
+    let is_noisy = 2 * wanted.iter().filter(|w| **w).count() > wanted.len();
     for ((out, value), wanted) in out.iter_mut().zip(values).zip(wanted) {
         if let Some(value) = value.filter(|_| wanted) {
             *out = blended_value(out, &value, method, options);
+        } else if is_noisy && out.coverage == 0.0 {
+            // Alone between edges that noise has made sharp: its plane says nothing.
+            out.confidence = 0.0;
         }
     }
 }
@@ -192,7 +196,9 @@ impl Worker<'_> {
         others.into_iter().find_map(|g| {
             let fit = self.fit(Face(g))?;
             let beside = Fit { surface: fit.simple, ..fit };
-            one_sided::lies_on(&fit, mesh.triangle(face)).then(|| self.value_of(face, &beside, Method::OneSided))?
+            let is_honest = fit.simple.size == 3 || !one_sided::is_mostly_plane(mesh, Face(g), &self.window, &fit);
+            (is_honest && one_sided::lies_on(&fit, mesh.triangle(face)))
+                .then(|| self.value_of(face, &beside, Method::OneSided))?
         })
     }
 

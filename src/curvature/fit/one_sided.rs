@@ -5,7 +5,8 @@
 //! (essentially non-oscillatory schemes).
 
 use super::exact::Fit;
-use crate::mesh::Mesh;
+use super::window::{Window, oriented_area};
+use crate::mesh::{Face, Mesh};
 use glam::DVec3;
 
 /// A neighbour's fit must explain its window this much better. Smooth surfaces reach a tenth by chance.
@@ -44,9 +45,19 @@ pub(super) fn candidates(
         .filter(|&(ratio, _)| ratio <= BETTER)
         .map(|(ratio, g)| {
             let quality = ratio.max(1e-8).log10().floor() as i32;
-            (quality, mesh.barycentre(crate::mesh::Face(g)).distance_squared(centre), g)
+            (quality, mesh.barycentre(Face(g)).distance_squared(centre), g)
         })
         .collect();
     others.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     others.into_iter().take(TRIED).map(|o| o.2).collect()
+}
+
+/// True when most vertices of a seed's window lie in the plane of the seed: then a surface of two sheets
+/// explains the others, however they lie, and the second sheet means nothing.
+pub(super) fn is_mostly_plane(mesh: &Mesh, seed: Face, window: &Window, fit: &Fit) -> bool {
+    const MOST: f64 = 0.6;
+    let Some(normal) = oriented_area(mesh, seed).try_normalize() else { return true };
+    let (centre, reach) = (mesh.barycentre(seed), 3.0 * fit.misfit + 1e-12 * fit.radius);
+    let lies = |&&v: &&u32| (mesh.positions()[v as usize] - centre).dot(normal).abs() <= reach;
+    window.vertices.iter().filter(lies).count() as f64 > MOST * window.vertices.len() as f64
 }

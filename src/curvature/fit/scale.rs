@@ -55,7 +55,7 @@ struct Probe {
 /// it. No window is then better than another by what the data say.
 pub(super) fn is_rough(ground: &Ground<'_>, seeds: &[Face]) -> bool {
     /// Noise in edges below which a surface is no scan's.
-    const LEAST_NOISE: f64 = 0.01;
+    const LEAST_NOISE: f64 = 0.013;
     /// Least growth of the deviation from the first level to the fourth.
     const LEAST_GROWTH: f64 = 1.15;
     /// Growth of what the noise does not explain from the third level to the fourth, from which it is
