@@ -23,6 +23,8 @@ write() { # INPUT NAME OPTION...
 }
 
 for input in "$fixtures"/*.{stl,obj,ply,off,3mf,glb,gltf}; do
+    # Known: the packer states bounds of these from before its rounding, 2e-7 off, and they are carried over.
+    case $input in *_float.glb) continue ;; esac
     name=$(basename "$input" | tr . _)
     write "$input" "$name.glb"
     write "$input" "$name-apart.gltf"
