@@ -10,7 +10,7 @@ from pathlib import Path
 
 COLUMNS = {
     "_FACE_ID": "face", "_CURVATURE_CLASS": "class", "_CURVATURE_MAX": "k_max", "_CURVATURE_MIN": "k_min",
-    "_CURVATURE_MEAN": "mean", "_CURVATURE_GAUSS": "gauss", "_CURVATURE_GAUSS_PERIMETER": "gauss_perimeter",
+    "_CURVATURE_MEAN": "mean", "_CURVATURE_GAUSS": "gauss", "_CONFIDENCE": "confidence",
     "_DIRECTION_MAX_X": "dir_max_x", "_DIRECTION_MAX_Y": "dir_max_y", "_DIRECTION_MAX_Z": "dir_max_z",
     "_COVERAGE": "coverage",
 }
