@@ -2,7 +2,7 @@
 
 use crate::annotation::{Annotation, ColorCarrier, Layout, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
-use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Radius};
+use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions};
@@ -290,7 +290,7 @@ pub fn annotate(
         provenance,
     };
     notes.extend(mesh.report().remarks().into_iter().map(Note::info));
-    notes.extend(note_of_low_coverage(&values));
+    notes.extend(note_of_weak_values(&values));
     notes.extend(annotation.note_of_missing_face_numbers(format));
     if let Some(out) = &mut edges {
         let layers = edge_layers(&mesh, options.view);
@@ -331,15 +331,21 @@ fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
     provenance["reused"] = true.into();
 }
 
-/// Says so where borders and sharp edges leave many disks less than half.
-fn note_of_low_coverage(values: &[FaceCurvature]) -> Option<Note> {
-    let estimated = values.iter().filter(|v| v.is_estimated());
+/// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits.
+fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     // Flat faces lose nothing by it.
-    let low = estimated.filter(|v| v.coverage < 0.5 && v.class != FaceClass::Flat).count();
-    (10 * low > values.len()).then(|| {
+    let bent = || values.iter().filter(|v| v.is_estimated() && v.class != FaceClass::Flat);
+    let of_disks = bent().filter(|v| v.method == Method::Sections && v.coverage < 0.5).count();
+    let of_fits = bent().filter(|v| v.method != Method::Sections && v.confidence < 0.1).count();
+    let all = values.len();
+    if 10 * of_disks > all {
+        return Some(Note::info(format!(
+            "{of_disks} of {all} faces are not flat and have coverage below 0.5: borders or sharp edges cut most of their disk off; a smaller --radius may tell more of them"
+        )));
+    }
+    (10 * of_fits > all).then(|| {
         Note::info(format!(
-            "{low} of {} faces are not flat and have coverage below 0.5: borders or sharp edges cut most of their disk off; a smaller --radius may tell more of them",
-            values.len()
+            "{of_fits} of {all} faces have confidence below 0.1: noise, or detail that the mesh is too coarse for; a larger --radius gives steadier values"
         ))
     })
 }

@@ -102,21 +102,14 @@ fn leaves_nothing_to_see(disk: &Disk) -> bool {
 /// The second largest width among the face and its neighbours across inner edges; its own where it
 /// has none.
 fn width_around(mesh: &Mesh, face: Face) -> f64 {
-    let (mut largest, mut second) = (width(mesh, face), 0.0_f64);
+    let (mut largest, mut second) = (mesh.least_height(face), 0.0_f64);
     for h in face.half_edges() {
         let neighbour = mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner);
         if let Some(neighbour) = neighbour {
-            let width = width(mesh, neighbour.face());
+            let width = mesh.least_height(neighbour.face());
             second = second.max(width.min(largest));
             largest = largest.max(width);
         }
     }
     if second > 0.0 { second } else { largest }
-}
-
-/// The least height of a face.
-fn width(mesh: &Mesh, face: Face) -> f64 {
-    let [a, b, c] = mesh.triangle(face);
-    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
-    2.0 * mesh.area(face) / longest
 }

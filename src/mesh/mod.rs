@@ -232,6 +232,13 @@ impl Mesh {
         (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
     }
 
+    /// The least of a face's three heights.
+    pub fn least_height(&self, face: Face) -> f64 {
+        let [a, b, c] = self.triangle(face);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a)).sqrt();
+        2.0 * self.area(face) / longest
+    }
+
     /// The mean of [`Mesh::mean_edge`] over all faces whose coordinates are finite.
     pub fn mean_edge_of_mesh(&self) -> f64 {
         // Summed in chunks of fixed size, so that the sum does not depend on the threads.

@@ -8,7 +8,7 @@
 //! The surface is z = P(X, Y) with P of degree 3 or 4, with constant and linear terms; the frame is
 //! moved and tilted until these are small.
 
-use super::implicit::Frame;
+use super::frame::Frame;
 use super::least_squares::{Factor, Rows};
 use super::shape::Shape;
 use glam::{DMat3, DVec3};

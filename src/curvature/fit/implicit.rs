@@ -1,38 +1,10 @@
-//! Implicit surfaces F(x, y, z) = z - sum c_j f_j(x, y, z) = 0 over nested bases.
-//!
-//! | size | functions added | surfaces it contains |
-//! |---|---|---|
-//! | 3 | 1, x, y | planes |
-//! | 6 | x^2, xy, y^2 | paraboloids |
-//! | 9 | xz, yz, z^2 | all quadrics |
-//! | 13 | s x, s y, s z, s^2 with s = x^2 + y^2 + z^2 | Darboux cyclides, tori among them |
-//! | 22 | all monomials of degree 3 and 4 in x and y | height polynomials of degree 4 |
-//!
-//! Coordinates are those of a local frame, lengths in units of the window's size.
+//! Implicit surfaces: values, derivatives and shape.
 
+use super::basis::basis;
+use super::frame::Frame;
 use super::least_squares::MOST;
 use super::shape::Shape;
 use glam::{DMat3, DVec3};
-
-/// The sizes of the nested bases.
-pub(super) const SIZES: [usize; 5] = [3, 6, 9, 13, 22];
-
-/// Where a fit sees the world from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub(super) origin: DVec3,
-    /// Columns: two tangents and the normal.
-    pub(super) axes: DMat3,
-    /// One unit of local length.
-    pub(super) unit: f64,
-}
-
-impl Frame {
-    #[inline]
-    pub(super) fn to_local(self, p: DVec3) -> DVec3 {
-        self.axes.transpose() * ((p - self.origin) / self.unit)
-    }
-}
 
 /// A fitted surface.
 #[derive(Clone, Copy, Debug)]
@@ -40,67 +12,6 @@ pub(super) struct Implicit {
     pub(super) frame: Frame,
     pub(super) coefficients: [f64; MOST],
     pub(super) size: usize,
-}
-
-/// The basis functions at a point.
-#[inline]
-pub(super) fn basis(DVec3 { x, y, z }: DVec3) -> [f64; MOST] {
-    let (xx, xy, yy, zz) = (x * x, x * y, y * y, z * z);
-    let s = xx + yy + zz;
-    [
-        1.0,
-        x,
-        y,
-        xx,
-        xy,
-        yy,
-        x * z,
-        y * z,
-        zz,
-        s * x,
-        s * y,
-        s * z,
-        s * s,
-        xx * x,
-        xx * y,
-        yy * x,
-        yy * y,
-        xx * xx,
-        xx * xy,
-        xx * yy,
-        xy * yy,
-        yy * yy,
-    ]
-}
-
-/// The derivatives of the basis functions along a direction.
-pub(super) fn basis_along(p: DVec3, d: DVec3) -> [f64; MOST] {
-    let DVec3 { x, y, z } = p;
-    let (s, ds) = (p.length_squared(), 2.0 * p.dot(d));
-    [
-        0.0,
-        d.x,
-        d.y,
-        2.0 * x * d.x,
-        x * d.y + y * d.x,
-        2.0 * y * d.y,
-        x * d.z + z * d.x,
-        y * d.z + z * d.y,
-        2.0 * z * d.z,
-        ds * x + s * d.x,
-        ds * y + s * d.y,
-        ds * z + s * d.z,
-        2.0 * s * ds,
-        3.0 * x * x * d.x,
-        2.0 * x * y * d.x + x * x * d.y,
-        2.0 * x * y * d.y + y * y * d.x,
-        3.0 * y * y * d.y,
-        4.0 * x * x * x * d.x,
-        3.0 * x * x * y * d.x + x * x * x * d.y,
-        2.0 * x * y * (y * d.x + x * d.y),
-        y * y * y * d.x + 3.0 * x * y * y * d.y,
-        4.0 * y * y * y * d.y,
-    ]
 }
 
 impl Implicit {
@@ -204,6 +115,7 @@ impl Implicit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curvature::fit::basis::{SIZES, basis_along};
 
     fn generic() -> Implicit {
         let coefficients = std::array::from_fn(|i| 0.07 * ((i * 37 % 11) as f64 - 5.0));

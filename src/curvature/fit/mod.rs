@@ -10,12 +10,16 @@
 //!
 //! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
+mod basis;
 mod chord;
+mod cyclide;
 mod exact;
+mod frame;
 mod implicit;
 mod least_squares;
 mod one_sided;
 mod patches;
+mod rulings;
 mod samples;
 mod scale;
 mod shape;
@@ -42,11 +46,10 @@ const ROUNDING: f64 = 20.0;
 /// Rounding within a fit, in radii of its window.
 const ARITHMETIC: f64 = 1e-12;
 
-/// A face's first value and what later passes need to know of it.
+/// How well a face's own fit explains its window.
 #[derive(Clone, Copy)]
-struct Outcome {
-    value: FaceCurvature,
-    /// Misfit of the face's own fit in units of curvature; infinite where there is none.
+struct Quality {
+    /// Misfit in units of curvature; infinite where there is no fit.
     misfit: f32,
     /// True where rounding does not explain the misfit.
     is_uneven: bool,
@@ -54,9 +57,8 @@ struct Outcome {
     is_doubtful: bool,
 }
 
-impl Outcome {
-    const NONE: Outcome =
-        Outcome { value: FaceCurvature::NOT_ESTIMATED, misfit: f32::INFINITY, is_uneven: false, is_doubtful: false };
+impl Quality {
+    const NO_FIT: Quality = Quality { misfit: f32::INFINITY, is_uneven: false, is_doubtful: false };
 }
 
 /// What fits of single faces need; one per thread.
@@ -70,7 +72,7 @@ struct Worker<'m> {
     disk: Disk,
 }
 
-/// Estimates all faces; `fixed_radius` where the user has given one.
+/// Estimates all faces; `radius` gives that of a face where the user has chosen one.
 pub(super) fn estimate(
     mesh: &Mesh,
     options: &CurvatureOptions,
@@ -89,73 +91,74 @@ pub(super) fn estimate(
         scratch: Scratch::new(),
         disk: Disk::new(),
     };
-    let mut outcomes = vec![Outcome::NONE; out.len()];
     let is_sound = |f: usize| mesh.face_state(Face(f as u32)) == FaceState::Sound;
-    outcomes.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, outcomes)| {
-        for (f, outcome) in (chunk * CHUNK..).zip(&mut *outcomes) {
-            if is_sound(f) {
-                *outcome = worker.first(Face(f as u32));
-            }
-        }
-        progress.advance(outcomes.len() as u64);
-    });
-    for (out, outcome) in out.iter_mut().zip(&outcomes) {
-        *out = outcome.value;
-    }
     if radius(Face(0)).is_some() {
         let ground = Ground::new(mesh, &stars, false);
-        out.par_iter_mut().enumerate().for_each_init(
-            || Sampler::new(&ground),
-            |sampler, (f, out)| {
+        let tools = || (worker(), Sampler::new(&ground));
+        out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, sampler), (chunk, out)| {
+            for (f, out) in (chunk * CHUNK..).zip(&mut *out).filter(|(f, _)| is_sound(*f)) {
                 let face = Face(f as u32);
-                let flat = out.k_max == 0.0 && out.k_min == 0.0;
-                let value =
-                    radius(face).filter(|_| is_sound(f) && !flat).and_then(|r| steady::within(sampler, face, r));
-                if let Some(value) = value {
-                    *out = blended_value(out, &value, Method::Window, options);
-                }
-            },
-        );
+                let value = radius(face).and_then(|r| steady::within(sampler, face, r, quantum));
+                *out = value.map_or_else(
+                    || worker.first(face).0,
+                    |value| blended_value(sampler.window.coverage(mesh), &value, Method::Window, options),
+                );
+            }
+            progress.advance(out.len() as u64);
+        });
         return;
     }
 
-    let mut wanted: Vec<bool> = outcomes.iter().map(|o| o.is_doubtful).collect();
-    out.par_chunks_mut(CHUNK).zip(wanted.par_chunks_mut(CHUNK)).enumerate().for_each_init(
-        worker,
-        |worker, (chunk, (out, wanted))| {
-            for ((f, out), wanted) in (chunk * CHUNK..).zip(out).zip(wanted) {
-                if outcomes[f].is_uneven
-                    && let Some(value) = worker.one_sided(Face(f as u32), &outcomes)
-                {
-                    (*out, *wanted) = (FaceCurvature { coverage: out.coverage, ..value }, false);
-                }
+    let mut quality = vec![Quality::NO_FIT; out.len()];
+    let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
+    both.enumerate().for_each_init(worker, |worker, (chunk, (out, quality))| {
+        for ((f, out), quality) in (chunk * CHUNK..).zip(&mut *out).zip(quality).filter(|((f, _), _)| is_sound(*f)) {
+            (*out, *quality) = worker.first(Face(f as u32));
+        }
+        progress.advance(out.len() as u64);
+    });
+    out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
+        for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| quality[*f].is_uneven) {
+            if let Some(value) = worker.one_sided(Face(f as u32), &quality) {
+                *out = FaceCurvature { coverage: out.coverage, ..value };
             }
-        },
-    );
-    drop(outcomes);
-    if !wanted.contains(&true) {
-        return;
+        }
+    });
+    let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
+    let wanted: Vec<bool> = out.iter().zip(&quality).map(doubtful).collect();
+    drop(quality);
+    if wanted.contains(&true) {
+        look_wider(mesh, &stars, options, wanted, out);
     }
-    let ground = Ground::new(mesh, &stars, false);
+}
+
+/// Replaces the values that are `wanted` by what larger windows say.
+fn look_wider(
+    mesh: &Mesh,
+    stars: &Stars,
+    options: &CurvatureOptions,
+    mut wanted: Vec<bool>,
+    out: &mut [FaceCurvature],
+) {
+    let count = wanted.iter().filter(|w| **w).count();
+    let is_everywhere = 2 * count > out.iter().filter(|v| v.is_estimated()).count();
+    let ground = Ground::new(mesh, stars, false);
     let seeds = patches::seeds(&ground, &wanted);
     let (values, method) = if scale::is_rough(&ground, &seeds) {
         drop(ground);
-        let stars = Stars::new(mesh, true);
-        let ground = Ground::new(mesh, &stars, true);
-        // Faces that fit by chance would stand out among the others.
-        let estimated = out.iter().filter(|v| v.is_estimated()).count();
-        if 2 * wanted.iter().filter(|w| **w).count() > estimated {
-            wanted.iter_mut().enumerate().for_each(|(f, wanted)| *wanted = is_sound(f));
+        if is_everywhere {
+            // Faces that fit by chance would stand out among the others.
+            wanted.iter_mut().zip(&*out).for_each(|(wanted, value)| *wanted = value.is_estimated());
         }
-        (steady::around_vertices(&ground), Method::Window)
+        let stars = Stars::new(mesh, true);
+        (steady::around_vertices(&Ground::new(mesh, &stars, true)), Method::Window)
     } else {
         (scale::estimate(&ground, &seeds, &wanted), Method::Patches)
     };
-    let is_noisy = 2 * wanted.iter().filter(|w| **w).count() > wanted.len();
     for ((out, value), wanted) in out.iter_mut().zip(values).zip(wanted) {
         if let Some(value) = value.filter(|_| wanted) {
-            *out = blended_value(out, &value, method, options);
-        } else if is_noisy && out.coverage == 0.0 {
+            *out = blended_value(out.coverage.into(), &value, method, options);
+        } else if is_everywhere && out.coverage == 0.0 {
             // Alone between edges that noise has made sharp: its plane says nothing.
             out.confidence = 0.0;
         }
@@ -170,28 +173,28 @@ impl Worker<'_> {
     }
 
     /// The face's own fit, or its sections where there is none.
-    fn first(&mut self, face: Face) -> Outcome {
+    fn first(&mut self, face: Face) -> (FaceCurvature, Quality) {
         let Some((fit, value)) = self.fit(face).and_then(|fit| Some((fit, self.value_of(face, &fit, Method::Fit)?)))
         else {
             let sections = DiskFrame::at_barycentre(self.mesh, face)
                 .map(|frame| super::curvature_at(self.mesh, face, &frame, self.options, None, &mut self.disk));
-            return sections.map_or(Outcome::NONE, |value| Outcome { value, ..Outcome::NONE });
+            return (sections.unwrap_or(FaceCurvature::NOT_ESTIMATED), Quality::NO_FIT);
         };
         let bend = f64::from(value.k_max.abs().max(value.k_min.abs()));
         let unit = fit.surface.frame.unit;
-        let misfit = (fit.misfit / (unit * unit)) as f32;
         let is_good = fit.error < GOOD * bend;
         let is_uneven = fit.misfit > ROUNDING * self.quantum + ARITHMETIC * fit.radius;
-        Outcome { value, misfit, is_uneven, is_doubtful: is_uneven && !is_good }
+        let misfit = (fit.misfit / (unit * unit)) as f32;
+        (value, Quality { misfit, is_uneven, is_doubtful: is_uneven && !is_good })
     }
 
     /// The fit of a neighbour that lies with the face on one side of a jump of curvature.
-    fn one_sided(&mut self, face: Face, outcomes: &[Outcome]) -> Option<FaceCurvature> {
+    fn one_sided(&mut self, face: Face, quality: &[Quality]) -> Option<FaceCurvature> {
         let mesh = self.mesh;
         self.window.start(mesh, face);
         self.window.grow_to(mesh, self.stars, false, WANTED);
         self.window.add_ring(mesh, self.stars, false);
-        let misfit = |g: u32| f64::from(outcomes[g as usize].misfit);
+        let misfit = |g: u32| f64::from(quality[g as usize].misfit);
         let others = one_sided::candidates(mesh, mesh.barycentre(face), misfit(face.0), &self.window.faces, misfit);
         others.into_iter().find_map(|g| {
             let fit = self.fit(Face(g))?;
@@ -211,11 +214,12 @@ impl Worker<'_> {
     }
 }
 
-/// A value from patches or windows; the coverage stays that of the face's own window.
-fn blended_value(own: &FaceCurvature, b: &Blended, method: Method, options: &CurvatureOptions) -> FaceCurvature {
+/// A value from patches or windows.
+fn blended_value(coverage: f64, b: &Blended, method: Method, options: &CurvatureOptions) -> FaceCurvature {
     let principal = b.shape.principal();
     let confidence = confidence(&principal, b.error, b.radius) as f32;
-    FaceCurvature { coverage: own.coverage, confidence, method, ..value_from(&principal, b.radius, options) }
+    let value = value_from(&principal, b.radius, options);
+    FaceCurvature { coverage: coverage as f32, confidence, method, ..value }
 }
 
 fn value_from(p: &Principal, radius: f64, options: &CurvatureOptions) -> FaceCurvature {

@@ -172,7 +172,7 @@ fn blend_face<'p>(
 ) -> Option<Blended> {
     let mesh = ground.mesh;
     let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
-    let mut sum = Mean::default();
+    let mut sum = Mean::new();
     for (seed, patch) in patches {
         let radius = patch.radius();
         let x = mesh.barycentre(seed).distance_squared(centre) / (REACH * radius).powi(2);
@@ -190,26 +190,25 @@ fn blend_face<'p>(
 }
 
 /// A weighted mean of shapes.
-#[derive(Default)]
 pub(super) struct Mean {
     tensor: DMat3,
     normal: DVec3,
     radius: f64,
     error: f64,
     weight: f64,
-    any: bool,
 }
 
 impl Mean {
+    pub(super) fn new() -> Self {
+        Mean { tensor: DMat3::ZERO, normal: DVec3::ZERO, radius: 0.0, error: 0.0, weight: 0.0 }
+    }
+
     pub(super) fn add(&mut self, value: &Blended, weight: f64) {
-        // `DMat3::default` is the identity.
-        let before = if self.any { self.tensor } else { DMat3::ZERO };
-        self.tensor = before + value.shape.tensor * weight;
+        self.tensor += value.shape.tensor * weight;
         self.normal += value.shape.normal * weight;
         self.radius += value.radius * weight;
         self.error += value.error * weight;
         self.weight += weight;
-        self.any = true;
     }
 
     pub(super) fn value(&self) -> Option<Blended> {

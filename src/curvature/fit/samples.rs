@@ -1,7 +1,6 @@
 //! The vertices nearest to a place, as far as they face the same way.
 
-use super::exact::frame_for;
-use super::implicit::Frame;
+use super::frame::Frame;
 use super::least_squares::Rows;
 use super::window::{Stars, Window, oriented_area};
 use crate::mesh::{Face, FaceState, Mesh};
@@ -44,7 +43,7 @@ pub(super) struct Sampler<'g> {
     pub(super) rows: Rows,
     pub(super) points: Vec<DVec3>,
     order: Vec<(f64, u32)>,
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
 }
 
 impl<'g> Sampler<'g> {
@@ -112,13 +111,13 @@ impl<'g> Sampler<'g> {
         self.points.clear();
         self.points.extend(self.order.iter().map(|&(_, v)| ground.position(v)));
         let normal: Vec3 = self.order.iter().map(|&(_, v)| ground.normals[v as usize]).sum();
-        let frame = frame_for(centre, normal.as_dvec3(), self.points.iter().copied())?;
+        let frame = Frame::around(centre, normal.as_dvec3(), self.points.iter().copied())?;
         Some(Frame { unit: radius, ..frame })
     }
 
-    /// Weights of the samples taken last that fall towards the rim and for vertices that face aside, so
+    /// Sets weights for the samples taken last that fall towards the rim and for vertices that face aside, so
     /// that none of them enters or leaves at once as the mesh moves.
-    pub(super) fn soft_weights(&mut self, frame: &Frame) -> &[f64] {
+    pub(super) fn weigh(&mut self, frame: &Frame) {
         let ground = self.ground;
         let normal = frame.axes.z_axis.as_vec3();
         let square = frame.unit * frame.unit;
@@ -127,6 +126,5 @@ impl<'g> Sampler<'g> {
             let facing = f64::from(ground.normals[v as usize].normalize_or_zero().dot(normal)).max(0.0);
             (1.0 - 0.999 * distance / square).max(0.0) * facing
         }));
-        &self.weights
     }
 }

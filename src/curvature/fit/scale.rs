@@ -6,11 +6,11 @@
 //! seeds.
 
 use super::chord::ChordFit;
-use super::exact::{factor_with_prior, fill};
-use super::implicit::{Frame, Implicit, basis};
-use super::least_squares::{Factor, Rows};
+use super::cyclide::{Cyclide, TERMS as CYCLIDE_TERMS};
+use super::frame::Frame;
 use super::patches::{self, Blended, Patch, Surface};
 use super::samples::{Ground, Sampler};
+use super::steady::ROUGH_WINDOW;
 use crate::mesh::{Face, Mesh};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -21,8 +21,6 @@ const DEGREES: [usize; 2] = [3, 4];
 /// Two chord polynomials and a cyclide per level.
 const MODELS: usize = DEGREES.len() + 1;
 const CANDIDATES: usize = LEVELS.len() * MODELS;
-/// Terms of a Darboux cyclide.
-const CYCLIDE: usize = 13;
 /// The first level at which a cyclide is believed.
 const FIRST_CYCLIDE: usize = 2;
 /// Growth of the variance of samples from the first to the second level that says that the surface is
@@ -31,8 +29,9 @@ const SMOOTH: f64 = 6.8;
 /// A larger window is not tried where the variance of samples has grown to this many times its least.
 const HOPELESS: f64 = 9.0;
 const CHUNK: usize = 64;
-/// Seeds that stand for all when the kind of surface is judged.
+/// Seeds that stand for all when the kind of surface is judged, and levels that are looked at.
 const JUDGES: usize = 400;
+const JUDGED: usize = 4;
 
 /// A seed's fits at every level.
 struct Probe {
@@ -54,6 +53,8 @@ struct Probe {
 /// True where a surface is rough: noise and detail at every scale from the edges up, as real scans have
 /// it. No window is then better than another by what the data say.
 pub(super) fn is_rough(ground: &Ground<'_>, seeds: &[Face]) -> bool {
+    /// Windows that a surface must hold: on a coarse model they would be half of it.
+    const LEAST_WINDOWS: usize = 20;
     /// Noise in edges below which a surface is no scan's.
     const LEAST_NOISE: f64 = 0.013;
     /// Least growth of the deviation from the first level to the fourth.
@@ -61,10 +62,13 @@ pub(super) fn is_rough(ground: &Ground<'_>, seeds: &[Face]) -> bool {
     /// Growth of what the noise does not explain from the third level to the fourth, from which it is
     /// the detail of a smooth surface.
     const SMOOTH_GROWTH: f64 = 2.6;
+    if ground.mesh.positions().len() < LEAST_WINDOWS * ROUGH_WINDOW {
+        return false;
+    }
     let step = seeds.len().div_ceil(JUDGES).max(1);
     let judges: Vec<Face> = seeds.iter().copied().step_by(step).collect();
     let none = vec![u32::MAX; ground.mesh.face_count()];
-    let probes = probe_all(ground, &judges, &none, FIRST_CYCLIDE + 2);
+    let probes = probe_all(ground, &judges, &none, JUDGED);
     let median = |of: &dyn Fn(&Probe) -> f64| {
         let mut values: Vec<f64> = probes.iter().map(of).filter(|v| v.is_finite()).collect();
         values.sort_unstable_by(f64::total_cmp);
@@ -226,7 +230,7 @@ fn choose(probe: &Probe, probes: &[Probe], sampler: &mut Sampler<'_>) -> Option<
             bias = bias.max(between - (variance[i] - variance[j]));
         }
         // What is not explained is detail; it bends the fit as a whole, not sample by sample.
-        let coherent = excess(j) / noise * LEVELS[j / MODELS] as f64 / CYCLIDE as f64;
+        let coherent = excess(j) / noise * LEVELS[j / MODELS] as f64 / CYCLIDE_TERMS as f64;
         let risk = variance[j] * (1.0 + coherent) + bias;
         if risk < best.0 {
             best = (risk, j);
@@ -254,53 +258,4 @@ fn choose(probe: &Probe, probes: &[Probe], sampler: &mut Sampler<'_>) -> Option<
 fn distance_squared(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     const TIMES: [f64; 6] = [1.0, 2.0, 2.0, 1.0, 2.0, 1.0];
     a.iter().zip(b).zip(TIMES).map(|((a, b), t)| t * (a - b) * (a - b)).sum()
-}
-
-/// A cyclide through noisy samples: the least sum of squared distances from the surface. The residuals
-/// of its equation will not do, since noise stands on both sides of it.
-struct Cyclide {
-    surface: Implicit,
-    factor: Factor,
-    /// Variance of the samples, in file units squared.
-    misfit: f64,
-}
-
-impl Cyclide {
-    fn fit(frame: Frame, samples: &[DVec3], noise: f64, rows: &mut Rows) -> Option<Self> {
-        const ROUNDS: usize = 3;
-        /// A gradient this small, against one at the middle, belongs to a fold of the surface.
-        const LEAST_SLOPE: f64 = 0.05;
-        if samples.len() < CYCLIDE + 8 {
-            return None;
-        }
-        let noise = noise / frame.unit;
-        let points: Vec<DVec3> = samples.iter().map(|&p| frame.to_local(p)).collect();
-        fill(rows, &points, CYCLIDE, 0);
-        let mut factor = factor_with_prior(rows, noise);
-        let mut surface = Implicit { frame, coefficients: factor.solve(CYCLIDE), size: CYCLIDE };
-        for _ in 0..ROUNDS {
-            for (row, &p) in points.iter().enumerate() {
-                // The distance, linear in the coefficients: that of the foot, and from there to the sample.
-                let gradient = surface.gradient(p);
-                let foot = p - gradient * (surface.value(p) / gradient.length_squared());
-                let gradient = surface.gradient(foot);
-                let slope = gradient.length();
-                let is_near = foot.distance_squared(p) <= 0.25;
-                if !(is_near && slope > LEAST_SLOPE) {
-                    return None;
-                }
-                let value = foot.z + gradient.dot(p - foot);
-                rows.set(row, &basis(foot).map(|f| f / slope)[..CYCLIDE], value / slope);
-            }
-            factor = factor_with_prior(rows, noise);
-            surface.coefficients = factor.solve(CYCLIDE);
-        }
-        let residual = rows.residual(&surface.coefficients[..CYCLIDE], samples.len());
-        let misfit = residual * frame.unit.powi(2) / (samples.len() - CYCLIDE) as f64;
-        misfit.is_finite().then_some(Cyclide { surface, factor, misfit })
-    }
-
-    fn tensor_variance(&self) -> f64 {
-        self.factor.tensor_variance(CYCLIDE) / self.surface.frame.unit.powi(4)
-    }
 }
