@@ -50,21 +50,17 @@ const CHUNK: usize = 4096;
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
     options.check_for(mesh)?;
     let count = mesh.face_count();
-    let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
     let fixed = options.fixed_radius(mesh);
     progress.begin(Stage::Estimate, count as u64);
-    if options.estimator == Estimator::Auto {
-        fit::estimate(mesh, options, |f| options.radius_of(mesh, f, fixed), progress, &mut values);
-        if options.perimeter {
-            add_perimeters(mesh, options, fixed, &mut values);
-        }
-    } else {
-        values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
-            let first = (chunk * CHUNK) as u32;
-            estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
-            progress.advance(out.len() as u64);
-        });
+    let (ordered, numbers) = mesh.in_order();
+    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; count];
+    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
+    drop(ordered);
+    let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
+    for (face, value) in numbers.iter().zip(&in_order) {
+        values[face.index()] = *value;
     }
+    drop(in_order);
     values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
@@ -73,6 +69,28 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     }
     progress.end();
     Ok(values)
+}
+
+/// Estimates all faces of a mesh that holds no duplicates.
+fn estimate_in_order(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    fixed: Option<f64>,
+    progress: &dyn Progress,
+    out: &mut [FaceCurvature],
+) {
+    if options.estimator == Estimator::Auto {
+        fit::estimate(mesh, options, |f| options.radius_of(mesh, f, fixed), progress, out);
+        if options.perimeter {
+            add_perimeters(mesh, options, fixed, out);
+        }
+        return;
+    }
+    out.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, out)| {
+        let first = (chunk * CHUNK) as u32;
+        estimate_range(mesh, options, fixed, first..first + out.len() as u32, disk, out);
+        progress.advance(out.len() as u64);
+    });
 }
 
 /// Adds the perimeter estimate of every face, from a disk.

@@ -2,6 +2,7 @@
 
 mod edges;
 mod ids;
+mod order;
 mod orientation;
 mod report;
 mod topology;

@@ -1,6 +1,7 @@
 //! Which face lies across which edge. Knows vertex numbers, never positions.
 
 use super::ids::{Face, HalfEdge, Vertex};
+use rayon::prelude::*;
 
 /// What lies across a half-edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +51,25 @@ impl Topology {
         }
         let again = topology.connect(vertex_count, |f| out[f]);
         (topology, Found { duplicates: found.duplicates, non_manifold_edges: again.non_manifold_edges })
+    }
+
+    /// The same neighbours for faces in another order: `faces` has the old number of every new face, `corners` their
+    /// new vertices, `moved` takes an old half-edge to its new number.
+    pub(super) fn reordered(
+        old: &Topology,
+        corners: Vec<[u32; 3]>,
+        faces: &[Face],
+        moved: impl Fn(u32) -> u32 + Sync,
+    ) -> Self {
+        let across = faces
+            .par_iter()
+            .flat_map_iter(|f| f.half_edges())
+            .map(|h| match old.across[h.index()] {
+                kind @ (BOUNDARY | NON_MANIFOLD) => kind,
+                twin => moved(twin),
+            })
+            .collect();
+        Topology { faces: corners, across }
     }
 
     fn connect(&mut self, vertex_count: usize, left_out: impl Fn(usize) -> bool) -> Found {

@@ -1,9 +1,10 @@
 //! Cyclides through noisy samples.
 
-use super::basis::{basis, factor_with_prior, fill};
 use super::frame::Frame;
 use super::implicit::Implicit;
-use super::least_squares::{Factor, Rows};
+use super::lanes::V3;
+use super::least_squares::{Factor, MOST, Rows};
+use super::polynomial::{Polynomial, basis};
 use glam::DVec3;
 
 /// Terms of a Darboux cyclide.
@@ -28,9 +29,12 @@ impl Cyclide {
         }
         let noise = noise / frame.unit;
         let points: Vec<DVec3> = samples.iter().map(|&p| frame.to_local(p)).collect();
-        fill(rows, &points, TERMS, 0);
+        rows.reset(points.len(), TERMS);
+        for (row, &p) in points.iter().enumerate() {
+            rows.set(row, &terms(p), p.z);
+        }
         let mut factor = factor_with_prior(rows, noise);
-        let mut surface = Implicit { frame, coefficients: factor.solve(TERMS), size: TERMS };
+        let mut surface = Implicit { frame, f: Polynomial { coefficients: factor.solve(TERMS), size: TERMS } };
         for _ in 0..ROUNDS {
             for (row, &p) in points.iter().enumerate() {
                 // The distance, linear in the coefficients: that of the foot, and from there to the sample.
@@ -43,12 +47,12 @@ impl Cyclide {
                     return None;
                 }
                 let value = foot.z + gradient.dot(p - foot);
-                rows.set(row, &basis(foot).map(|f| f / slope)[..TERMS], value / slope);
+                rows.set(row, &terms(foot).map(|f| f / slope), value / slope);
             }
             factor = factor_with_prior(rows, noise);
-            surface.coefficients = factor.solve(TERMS);
+            surface.f.coefficients = factor.solve(TERMS);
         }
-        let residual = rows.residual(&surface.coefficients[..TERMS], samples.len());
+        let residual = rows.residual(&surface.f.coefficients[..TERMS], samples.len());
         let misfit = residual * frame.unit.powi(2) / (samples.len() - TERMS) as f64;
         misfit.is_finite().then_some(Cyclide { surface, factor, misfit })
     }
@@ -56,4 +60,24 @@ impl Cyclide {
     pub(super) fn tensor_variance(&self) -> f64 {
         self.factor.tensor_variance(TERMS) / self.surface.frame.unit.powi(4)
     }
+}
+
+fn terms(p: DVec3) -> [f64; TERMS] {
+    basis(V3::from(p), 1.0)
+}
+
+/// Curvature, in turns per window, below which priors do not get any narrower.
+const LEAST_BEND: f64 = 0.03;
+
+/// The normal equations with a prior on the terms beyond the paraboloid: where noise is strong, terms that
+/// a surface bending as this one does has no use for stay small.
+fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
+    let mut prior = [0.0; MOST];
+    let normal = rows.normal();
+    let paraboloid = normal.factor(6, &prior).solve(6);
+    let [a, b, c] = [paraboloid[3], paraboloid[4], paraboloid[5]];
+    let bend = ((a + c).abs() + (a - c).hypot(b)).max(LEAST_BEND);
+    prior[6..9].fill((noise / (0.3 * bend)).powi(2));
+    prior[9..TERMS].fill((noise / (0.3 * bend * bend)).powi(2));
+    normal.factor(TERMS, &prior)
 }

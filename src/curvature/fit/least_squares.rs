@@ -50,10 +50,6 @@ impl Rows {
         self.columns.resize(self.stride * (width + 1), [0.0; LANES]);
     }
 
-    pub(super) fn width(&self) -> usize {
-        self.width
-    }
-
     #[inline]
     pub(super) fn set(&mut self, row: usize, values: &[f64], value: f64) {
         debug_assert!(row < self.count && values.len() == self.width);
@@ -210,27 +206,6 @@ impl Factor {
         let of = |at: usize| self.variance(&std::array::from_fn(|i| f64::from(i == at)), size);
         4.0 * of(3) + 2.0 * of(4) + 4.0 * of(5)
     }
-
-    /// An upper bound, close in practice, of the least eigenvalue of the leading block, scaled to unit
-    /// diagonal: two inverse iterations.
-    pub(super) fn least_eigenvalue(&self, size: usize) -> f64 {
-        let mut x = [0.0; MOST];
-        for (i, x) in x[..size].iter_mut().enumerate() {
-            *x = if i % 2 == 0 { 1.0 } else { -0.7 };
-        }
-        let mut value = f64::INFINITY;
-        for _ in 0..2 {
-            let norm = x[..size].iter().map(|v| v * v).sum::<f64>().sqrt();
-            x[..size].iter_mut().for_each(|v| *v /= norm);
-            for i in 0..size {
-                let sum: f64 = self.lower[i][..i].iter().zip(&x).map(|(l, y)| l * y).sum();
-                x[i] = (x[i] - sum) / self.lower[i][i];
-            }
-            self.substitute_back(&mut x, size);
-            value = 1.0 / x[..size].iter().map(|v| v * v).sum::<f64>().sqrt();
-        }
-        value
-    }
 }
 
 #[cfg(test)]
@@ -268,17 +243,5 @@ mod tests {
         let factor = cubic().factor();
         let slope = std::array::from_fn(|i| f64::from(i == 1));
         assert!((factor.variance(&slope, 2) - 1.0 / 60.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_column_without_a_part_of_its_own_is_noticed() {
-        let mut rows = Rows::new();
-        rows.reset(8, 3);
-        for i in 0..8 {
-            let x = i as f64;
-            rows.set(i, &[1.0, x, 2.0 * x - 1.0], x);
-        }
-        let factor = rows.factor();
-        assert!(factor.least_eigenvalue(3) < 1e-10 && factor.least_eigenvalue(2) > 1e-3);
     }
 }

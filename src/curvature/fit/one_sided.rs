@@ -5,6 +5,8 @@
 //! (essentially non-oscillatory schemes).
 
 use super::exact::Fit;
+use super::first::Quality;
+use super::implicit::Implicit;
 use super::window::{Window, oriented_area};
 use crate::mesh::{Face, Mesh};
 use glam::DVec3;
@@ -19,7 +21,7 @@ pub(super) const TRIED: usize = 16;
 pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
     // Along a circle the normals at both ends lean against the chord alike.
     const LEAN: f64 = 0.1;
-    let surface = &fit.simple;
+    let surface = Implicit { f: fit.simple, ..fit.surface };
     let corners = triangle.map(|p| surface.frame.to_local(p));
     let gradients = corners.map(|p| surface.gradient(p));
     let reach = 3.0 * fit.misfit / surface.frame.unit;
@@ -31,25 +33,26 @@ pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
     })
 }
 
-/// Neighbours by how well their fits explain their windows, in powers of ten, then by distance.
-pub(super) fn candidates(
-    mesh: &Mesh,
-    centre: DVec3,
-    own: f64,
-    faces: &[u32],
-    misfits: impl Fn(u32) -> f64,
-) -> Vec<u32> {
-    let mut others: Vec<(i32, f64, u32)> = faces
+/// Seeds of the fits that serve the faces around, by how well they explain their windows, in powers of ten,
+/// then by the distance of the face.
+pub(super) fn candidates(mesh: &Mesh, centre: DVec3, own: f32, faces: &[u32], quality: &[Quality]) -> Vec<Face> {
+    let mut others: Vec<(i32, f64, Face)> = faces
         .iter()
-        .map(|&g| (misfits(g) / own, g))
+        .map(|&g| (f64::from(quality[g as usize].misfit) / f64::from(own), g))
         .filter(|&(ratio, _)| ratio <= BETTER)
         .map(|(ratio, g)| {
-            let quality = ratio.max(1e-8).log10().floor() as i32;
-            (quality, mesh.barycentre(Face(g)).distance_squared(centre), g)
+            let power = ratio.max(1e-8).log10().floor() as i32;
+            (power, mesh.barycentre(Face(g)).distance_squared(centre), quality[g as usize].seed)
         })
         .collect();
     others.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    others.into_iter().take(TRIED).map(|o| o.2).collect()
+    let mut seeds = Vec::new();
+    for (_, _, seed) in others {
+        if !seeds.contains(&seed) && seeds.len() < TRIED {
+            seeds.push(seed);
+        }
+    }
+    seeds
 }
 
 /// True when most vertices of a seed's window lie in the plane of the seed: then a surface of two sheets

@@ -4,8 +4,8 @@
 //! face is better than one around it, and steadier.
 
 use super::chord::Chord;
+use super::ground::Ground;
 use super::implicit::Implicit;
-use super::samples::Ground;
 use super::shape::Shape;
 use super::window::Window;
 use crate::mesh::{Face, FaceState};
@@ -156,7 +156,7 @@ fn faces_within<'w>(
     window.start(mesh, seed);
     loop {
         let before = window.faces.len();
-        window.add_ring(mesh, ground.stars, ground.over_features);
+        window.add_ring(mesh, &ground.stars, ground.over_features);
         if window.exhausted || !window.faces[before..].iter().any(|&f| near(f)) {
             break;
         }

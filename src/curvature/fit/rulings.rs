@@ -1,47 +1,33 @@
 //! Strips whose vertices all lie on two rims.
 
-use super::basis::{basis_along, fill};
-use super::frame::Frame;
-use super::least_squares::Rows;
 use super::window::{Window, oriented_area};
 use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::{DMat3, DVec3};
 
-/// Weight of a row that asks for a straight ruling, against one for a vertex.
-const RULING_WEIGHT: f64 = 1e-3;
-
-/// Rows that ask the surface to be straight along its rulings, for vertices that all lie on two rims:
-/// there, nothing else tells how the surface runs from rim to rim.
+/// Places and directions in which the surface through a window's vertices is straight, for vertices that all lie
+/// on two rims: there, nothing else tells how the surface runs from rim to rim.
 ///
 /// Where the strip consists of flat cells, the folds between them are the rulings. Elsewhere, as
 /// between rims whose vertices alternate, the direction to which all normals are most nearly
 /// perpendicular stands for them.
-pub(super) fn add_rulings(rows: &mut Rows, points: &[DVec3], mesh: &Mesh, window: &Window, frame: Frame, width: usize) {
+pub(super) fn rulings(mesh: &Mesh, window: &Window) -> Vec<(DVec3, DVec3)> {
     /// A fold this much below the sharpest is a diagonal of a flat cell.
     const NO_FOLD: f64 = 1e-3;
     let folds = folds(mesh, window);
     let sharpest = folds.iter().map(|f| f.1).fold(0.0, f64::max);
-    let mut rulings: Vec<(DVec3, DVec3)> = Vec::new();
     if folds.iter().any(|f| f.1 < NO_FOLD * sharpest) {
         let sharp = folds.iter().filter(|f| f.1 >= NO_FOLD * sharpest);
         // Not in the middle, where the product of both rims' planes has no slope.
-        rulings.extend(sharp.flat_map(|&([a, b], _)| [0.25, 0.75].map(|t| (a.lerp(b, t), b - a))));
-    } else {
-        let mut spread = DMat3::ZERO;
-        let faces = || window.faces.iter().map(|&f| (Face(f), oriented_area(mesh, Face(f))));
-        for (_, area) in faces() {
-            let n = area.normalize_or_zero();
-            spread += DMat3::from_cols(area * n.x, area * n.y, area * n.z);
-        }
-        let ruling = least_eigenvector(spread);
-        rulings.extend(faces().map(|(f, area)| (mesh.barycentre(f), ruling.reject_from(area))));
+        return sharp.flat_map(|&([a, b], _)| [0.25, 0.75].map(|t| (a.lerp(b, t), b - a))).collect();
     }
-    fill(rows, points, width, rulings.len());
-    for (i, (at, along)) in rulings.into_iter().enumerate() {
-        let along = frame.axes.transpose() * along.normalize_or_zero();
-        let row = basis_along(frame.to_local(at), along).map(|d| RULING_WEIGHT * d);
-        rows.set(points.len() + i, &row[..width], RULING_WEIGHT * along.z);
+    let mut spread = DMat3::ZERO;
+    let faces = || window.faces.iter().map(|&f| (Face(f), oriented_area(mesh, Face(f))));
+    for (_, area) in faces() {
+        let n = area.normalize_or_zero();
+        spread += DMat3::from_cols(area * n.x, area * n.y, area * n.z);
     }
+    let ruling = least_eigenvector(spread);
+    faces().map(|(f, area)| (mesh.barycentre(f), ruling.reject_from(area))).collect()
 }
 
 /// The ends of every inner edge of a window and the sine of the angle there.

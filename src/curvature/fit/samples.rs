@@ -1,40 +1,11 @@
 //! The vertices nearest to a place, as far as they face the same way.
 
 use super::frame::Frame;
+use super::ground::Ground;
 use super::least_squares::Rows;
-use super::window::{Stars, Window, oriented_area};
-use crate::mesh::{Face, FaceState, Mesh};
+use super::window::Window;
+use crate::mesh::Face;
 use glam::{DVec3, Vec3};
-
-/// What all samplers of a mesh share.
-pub(super) struct Ground<'m> {
-    pub(super) mesh: &'m Mesh,
-    pub(super) stars: &'m Stars,
-    /// Whether windows reach over sharp edges.
-    pub(super) over_features: bool,
-    /// Sums of area vectors at every vertex.
-    pub(super) normals: Vec<Vec3>,
-}
-
-impl<'m> Ground<'m> {
-    pub(super) fn new(mesh: &'m Mesh, stars: &'m Stars, over_features: bool) -> Self {
-        let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
-        let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
-        for f in sound {
-            // Scaled, so that the squares of small areas do not vanish.
-            let area = oriented_area(mesh, f);
-            let normal = area.normalize_or_zero() * area.length().sqrt();
-            for v in mesh.topology().corners(f) {
-                normals[v.index()] += normal.as_vec3();
-            }
-        }
-        Ground { mesh, stars, over_features, normals }
-    }
-
-    fn position(&self, vertex: u32) -> DVec3 {
-        self.mesh.positions()[vertex as usize]
-    }
-}
 
 /// Gathers samples; reused from place to place.
 pub(super) struct Sampler<'g> {
@@ -65,14 +36,14 @@ impl<'g> Sampler<'g> {
 
     /// Begins anew at a vertex.
     pub(super) fn start_at(&mut self, vertex: u32) {
-        self.window.start_at(self.ground.mesh, self.ground.stars, vertex);
+        self.window.start_at(self.ground.mesh, &self.ground.stars, vertex);
     }
 
     /// Takes the `count` vertices nearest to `centre` among the rings that hold half as many more, and
     /// returns their frame, with the largest distance as its unit.
     pub(super) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<Frame> {
         let ground = self.ground;
-        self.window.grow_to(ground.mesh, ground.stars, ground.over_features, count + count / 2);
+        self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, count + count / 2);
         self.take(centre, |_| count)
     }
 
@@ -82,7 +53,7 @@ impl<'g> Sampler<'g> {
         let square = radius * radius;
         loop {
             let before = self.window.vertices.len();
-            self.window.add_ring(ground.mesh, ground.stars, ground.over_features);
+            self.window.add_ring(ground.mesh, &ground.stars, ground.over_features);
             let near = |&v: &u32| ground.position(v).distance_squared(centre) <= square;
             let added = &self.window.vertices[before..];
             if self.window.exhausted || before >= least && !added.iter().any(near) {

@@ -8,8 +8,9 @@
 use super::chord::ChordFit;
 use super::cyclide::{Cyclide, TERMS as CYCLIDE_TERMS};
 use super::frame::Frame;
+use super::ground::Ground;
 use super::patches::{self, Blended, Patch, Surface};
-use super::samples::{Ground, Sampler};
+use super::samples::Sampler;
 use super::steady::ROUGH_WINDOW;
 use crate::mesh::{Face, Mesh};
 use glam::{DMat3, DVec3};

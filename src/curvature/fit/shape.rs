@@ -1,5 +1,7 @@
-//! The second fundamental form at a point, as a tensor in space.
+//! Principal curvatures and directions of second fundamental forms.
 
+use super::lanes::{Real, V3};
+use super::polynomial::Symmetric;
 use glam::{DMat3, DVec3};
 
 /// How a surface bends at a point. The tensor maps a tangent t to its normal curvature t' T t, in
@@ -12,23 +14,51 @@ pub(super) struct Shape {
 
 /// Principal curvatures and directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Principal {
-    pub(super) k_max: f64,
-    pub(super) k_min: f64,
-    pub(super) dir_max: DVec3,
-    pub(super) dir_min: DVec3,
+pub(super) struct Principal<T = f64> {
+    pub(super) k_max: T,
+    pub(super) k_min: T,
+    pub(super) dir_max: V3<T>,
+    pub(super) dir_min: V3<T>,
+}
+
+impl<T: Real> Principal<T> {
+    /// From a unit normal and a matrix whose products with tangents are those of the tensor.
+    #[inline(always)]
+    pub(super) fn of(normal: V3<T>, tensor: &Symmetric<T>) -> Self {
+        let (u, v) = tangents(normal);
+        let (tu, tv) = (tensor.times(u), tensor.times(v));
+        let (a, b, c) = (u.dot(tu), u.dot(tv), v.dot(tv));
+        let (mean, half) = ((a + c) * 0.5, (a - c) * 0.5);
+        let spread = (half * half + b * b).sqrt();
+        // Half the angle of (half, b), from the sum that does not cancel.
+        let sum = spread + half.abs();
+        let x = half.select(sum, b.abs());
+        let y = half.select(b, b.select(sum, -sum));
+        let length = (x * x + y * y).sqrt();
+        // No direction stands out where both curvatures are equal.
+        let x = length.if_positive(x / length, T::splat(1.0));
+        let y = length.if_positive(y / length, T::splat(0.0));
+        let dir_max = u.scaled(x) + v.scaled(y);
+        Principal { k_max: mean + spread, k_min: mean - spread, dir_max, dir_min: normal.cross(dir_max) }
+    }
+}
+
+/// Two unit vectors that stand upright on a unit vector and on each other (Duff and others 2017, "Building
+/// an orthonormal basis, revisited").
+#[inline(always)]
+pub(super) fn tangents<T: Real>(n: V3<T>) -> (V3<T>, V3<T>) {
+    let sign = n.z.select(T::splat(1.0), T::splat(-1.0));
+    let a = T::splat(-1.0) / (sign + n.z);
+    let b = n.x * n.y * a;
+    let u = V3::new(T::splat(1.0) + sign * n.x * n.x * a, sign * b, -(sign * n.x));
+    (u, V3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
 impl Shape {
     pub(super) fn principal(&self) -> Principal {
-        let u = self.normal.any_orthonormal_vector();
-        let v = self.normal.cross(u);
-        let (a, b, c) = (u.dot(self.tensor * u), u.dot(self.tensor * v), v.dot(self.tensor * v));
-        let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-        let spread = half.hypot(b);
-        let (sin, cos) = (0.5 * b.atan2(half)).sin_cos();
-        let dir_max = cos * u + sin * v;
-        Principal { k_max: mean + spread, k_min: mean - spread, dir_max, dir_min: self.normal.cross(dir_max) }
+        let [x, y, z] = [self.tensor.x_axis, self.tensor.y_axis, self.tensor.z_axis];
+        let tensor = Symmetric { xx: x.x, xy: x.y, yy: y.y, xz: x.z, yz: y.z, zz: z.z };
+        Principal::of(self.normal.into(), &tensor)
     }
 }
 
@@ -38,9 +68,25 @@ mod tests {
 
     #[test]
     fn a_diagonal_tensor_has_its_entries_and_axes() {
-        let shape = Shape { normal: DVec3::Z, tensor: DMat3::from_diagonal(DVec3::new(-1.0, 3.0, 0.0)) };
-        let p = shape.principal();
-        assert!((p.k_max - 3.0).abs() < 1e-12 && (p.k_min + 1.0).abs() < 1e-12);
-        assert!(p.dir_max.dot(DVec3::Y).abs() > 1.0 - 1e-12 && p.dir_min.dot(DVec3::X).abs() > 1.0 - 1e-12);
+        for (x, y) in [(-1.0, 3.0), (3.0, -1.0), (2.0, 2.0)] {
+            let shape = Shape { normal: DVec3::Z, tensor: DMat3::from_diagonal(DVec3::new(x, y, 0.0)) };
+            let p = shape.principal();
+            assert!((p.k_max - x.max(y)).abs() < 1e-12 && (p.k_min - x.min(y)).abs() < 1e-12);
+            let (along_x, along_y) = (p.dir_max.x.abs(), p.dir_max.y.abs());
+            assert!(x == y || (if x > y { along_x } else { along_y }) > 1.0 - 1e-12);
+            assert!((p.dir_max.dot(p.dir_max) - 1.0).abs() < 1e-12 && p.dir_max.dot(p.dir_min).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_turned_tensor_turns_its_directions() {
+        for step in 0..64 {
+            let (sin, cos) = (f64::from(step) * 0.1).sin_cos();
+            let d = DVec3::new(cos, sin, 0.0);
+            let tensor = DMat3::from_cols(d * d.x, d * d.y, d * d.z) * 2.0;
+            let p = Shape { normal: DVec3::Z, tensor }.principal();
+            assert!((p.k_max - 2.0).abs() < 1e-12 && p.k_min.abs() < 1e-12);
+            assert!((p.dir_max.x * d.x + p.dir_max.y * d.y).abs() > 1.0 - 1e-12, "{step}");
+        }
     }
 }

@@ -4,8 +4,9 @@
 
 use super::chord::ChordFit;
 use super::frame::Frame;
+use super::ground::Ground;
 use super::patches::{Blended, Mean};
-use super::samples::{Ground, Sampler};
+use super::samples::Sampler;
 use super::shape::Shape;
 use crate::mesh::Face;
 use glam::{DMat3, DVec3};

@@ -1,130 +1,9 @@
 //! The vertices and faces around a face, as far as no sharp edge lies between.
 
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, Vertex};
+use super::marks::Marks;
+use super::stars::{CROWDED, Stars};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh, Vertex};
 use glam::DVec3;
-
-/// Of more faces at one vertex, as in the middle of a fan, a window takes only the nearest: time for a
-/// window is bounded.
-const CROWDED: usize = 256;
-
-/// The faces at every vertex, and what is needed to tell which of them hang together.
-pub(super) struct Stars {
-    ends: Vec<u32>,
-    faces: Vec<u32>,
-    /// True where the faces at a vertex fall apart: sharp or non-manifold edges, or several borders.
-    divided: Vec<bool>,
-}
-
-impl Stars {
-    pub(super) fn new(mesh: &Mesh, ignore_features: bool) -> Self {
-        let topology = mesh.topology();
-        let count = mesh.positions().len();
-        let takes_part = |f: Face| matches!(mesh.face_state(f), FaceState::Sound | FaceState::NoArea);
-        let all = || (0..mesh.face_count() as u32).map(Face).filter(|&f| takes_part(f));
-        let mut ends = vec![0_u32; count + 1];
-        let (mut borders, mut divided) = (vec![0_u8; count], vec![false; count]);
-        for f in all() {
-            for h in f.half_edges() {
-                let v = topology.origin(h);
-                ends[v.index() + 1] += 1;
-                let kind = mesh.edge_kind(h);
-                let both = [v, topology.target(h)].map(Vertex::index);
-                match kind {
-                    EdgeKind::Boundary => both.into_iter().for_each(|v| borders[v] = borders[v].saturating_add(1)),
-                    EdgeKind::NonManifold => both.into_iter().for_each(|v| divided[v] = true),
-                    EdgeKind::Feature if !ignore_features => both.into_iter().for_each(|v| divided[v] = true),
-                    EdgeKind::Feature | EdgeKind::Inner => {}
-                }
-            }
-        }
-        for (divided, borders) in divided.iter_mut().zip(borders) {
-            *divided |= borders > 2;
-        }
-        for v in 1..=count {
-            ends[v] += ends[v - 1];
-        }
-        let mut faces = vec![0; ends[count] as usize];
-        // Filling from the back moves each end to its start, which is where the one before it ends.
-        for f in (0..mesh.face_count() as u32).rev().map(Face).filter(|&f| takes_part(f)) {
-            for v in topology.corners(f) {
-                let at = &mut ends[v.index() + 1];
-                *at -= 1;
-                faces[*at as usize] = f.0;
-            }
-        }
-        ends.remove(0);
-        ends.push(faces.len() as u32);
-        Stars { ends, faces, divided }
-    }
-
-    pub(super) fn of(&self, vertex: u32) -> &[u32] {
-        &self.faces[self.ends[vertex as usize] as usize..self.ends[vertex as usize + 1] as usize]
-    }
-}
-
-/// A small set of numbers that is emptied without touching its memory.
-struct Marks {
-    /// Number, age, and place in the order of insertion.
-    slots: Vec<(u32, u32, u32)>,
-    age: u32,
-    count: usize,
-}
-
-impl Marks {
-    fn new() -> Self {
-        Marks { slots: vec![(0, 0, 0); 256], age: 1, count: 0 }
-    }
-
-    fn clear(&mut self) {
-        self.count = 0;
-        self.age = self.age.wrapping_add(1);
-        if self.age == 0 {
-            self.slots.fill((0, 0, 0));
-            self.age = 1;
-        }
-    }
-
-    /// False when the number was there already.
-    #[inline]
-    fn insert(&mut self, key: u32) -> bool {
-        if 2 * self.count >= self.slots.len() {
-            self.grow();
-        }
-        let at = self.find(key);
-        let is_new = self.slots[at].1 != self.age;
-        if is_new {
-            self.slots[at] = (key, self.age, self.count as u32);
-            self.count += 1;
-        }
-        is_new
-    }
-
-    /// The place of a number in the order of insertion.
-    fn place(&self, key: u32) -> Option<usize> {
-        let (_, age, place) = self.slots[self.find(key)];
-        (age == self.age).then_some(place as usize)
-    }
-
-    /// The slot that holds a number or would take it.
-    #[inline]
-    fn find(&self, key: u32) -> usize {
-        let mask = self.slots.len() - 1;
-        let mut at = (key.wrapping_mul(0x9E37_79B1) >> 8) as usize & mask;
-        while self.slots[at].1 == self.age && self.slots[at].0 != key {
-            at = (at + 1) & mask;
-        }
-        at
-    }
-
-    fn grow(&mut self) {
-        let larger = vec![(0, 0, 0); 2 * self.slots.len()];
-        let (held, age) = (std::mem::replace(&mut self.slots, larger), std::mem::replace(&mut self.age, 1));
-        for (key, _, place) in held.into_iter().filter(|s| s.1 == age) {
-            let at = self.find(key);
-            self.slots[at] = (key, self.age, place);
-        }
-    }
-}
 
 /// Vertices and faces around a seed face, ring by ring. Reused from face to face.
 pub(super) struct Window {
@@ -185,7 +64,7 @@ impl Window {
         self.front = self.vertices.len();
         for at in vertices {
             let vertex = self.vertices[at];
-            if stars.divided[vertex as usize] || stars.of(vertex).len() > CROWDED {
+            if stars.is_divided(vertex) {
                 self.add_fan(mesh, stars, Vertex(vertex), faces, ignore_features);
             } else {
                 for &face in stars.of(vertex) {
@@ -244,16 +123,30 @@ impl Window {
         }
     }
 
-    /// The share of the window's faces that have neither a border nor a sharp edge.
-    pub(super) fn coverage(&self, mesh: &Mesh) -> f64 {
-        let inside = |f: Face| f.half_edges().iter().all(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
-        self.faces.iter().filter(|&&f| inside(Face(f))).count() as f64 / self.faces.len() as f64
+    /// The share of the window's vertices that lie neither on a border nor on a sharp edge.
+    pub(super) fn coverage(&self, stars: &Stars) -> f64 {
+        let inside = self.vertices.iter().filter(|&&v| stars.is_inside(v)).count();
+        inside as f64 / self.vertices.len() as f64
     }
 
-    /// The sum of the faces' area vectors: along the mean normal.
-    pub(super) fn area_vector(&self, mesh: &Mesh) -> DVec3 {
-        self.faces.iter().map(|&f| oriented_area(mesh, Face(f))).sum()
+    /// For every vertex, a normal of those of its faces that are in the window. As long as lengths, not areas: that
+    /// the squares of small areas do not vanish.
+    pub(super) fn add_normals(&self, mesh: &Mesh, normals: &mut Vec<DVec3>) {
+        normals.clear();
+        normals.resize(self.vertices.len(), DVec3::ZERO);
+        for f in self.faces.iter().map(|&f| Face(f)) {
+            let normal = scaled_normal(mesh, f);
+            for place in mesh.topology().corners(f).into_iter().filter_map(|v| self.vertex_marks.place(v.0)) {
+                normals[place] += normal;
+            }
+        }
     }
+}
+
+/// A face's normal, as long as the root of its area.
+pub(super) fn scaled_normal(mesh: &Mesh, face: Face) -> DVec3 {
+    let area = oriented_area(mesh, face);
+    area.normalize_or_zero() * area.length().sqrt()
 }
 
 /// Twice a face's area as a vector along its oriented normal.

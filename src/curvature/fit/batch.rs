@@ -1,0 +1,154 @@
+//! Windows of vertices, loaded side by side for a fit.
+
+use super::ground::Ground;
+use super::lanes::{F4, LANES, V3};
+use super::marks::Marks;
+use super::window::Window;
+use crate::mesh::Face;
+use glam::DVec3;
+
+/// Vertices for a fit, where the patch has them.
+pub(super) const WANTED: usize = 24;
+
+/// The windows of up to four faces. Points beyond the end of a lane's window are zero.
+pub(super) struct Batch {
+    /// The faces, as many as lanes are in use.
+    pub(super) seeds: Vec<Face>,
+    /// The places the windows are laid around: barycentres.
+    pub(super) centres: [DVec3; LANES],
+    /// Vertices, seen from the centres.
+    pub(super) points: Vec<V3<F4>>,
+    /// Normals of the surface there, of any length; zero where there is none.
+    pub(super) normals: Vec<V3<F4>>,
+    /// A surface further than this from the centre is not the one the centre belongs to: half the face's width.
+    pub(super) reaches: F4,
+    /// Along the mean normals.
+    pub(super) uprights: V3<F4>,
+    pub(super) counts: [usize; LANES],
+    /// Share of each window's vertices that lie neither on a border nor on a sharp edge.
+    pub(super) coverage: [f64; LANES],
+    /// Places and directions in which the surface is to be straight.
+    pub(super) rulings: [Vec<(DVec3, DVec3)>; LANES],
+    gathered: Gathered,
+    window: Window,
+}
+
+/// Memory for one window.
+struct Gathered {
+    vertices: Vec<u32>,
+    normals: Vec<DVec3>,
+    marks: Marks,
+}
+
+impl Batch {
+    pub(super) fn new() -> Self {
+        Batch {
+            seeds: Vec::with_capacity(LANES),
+            centres: [DVec3::ZERO; LANES],
+            points: Vec::new(),
+            normals: Vec::new(),
+            reaches: F4::ZERO,
+            uprights: V3::ZERO,
+            counts: [0; LANES],
+            coverage: [0.0; LANES],
+            rulings: Default::default(),
+            gathered: Gathered { vertices: Vec::new(), normals: Vec::new(), marks: Marks::new() },
+            window: Window::new(),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.seeds.clear();
+        self.points.clear();
+        self.normals.clear();
+        self.counts = [0; LANES];
+        self.rulings.iter_mut().for_each(Vec::clear);
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.seeds.len() == LANES
+    }
+
+    /// Loads the window of a face into the next lane: whole rings until there are [`WANTED`] vertices.
+    pub(super) fn load(&mut self, ground: &Ground<'_>, seed: Face) {
+        if let Some(inner) = self.gathered.rings(ground, seed) {
+            let normal = |&v: &u32| match ground.stars.is_divided(v) {
+                true => DVec3::ZERO,
+                false => ground.normals[v as usize].as_dvec3(),
+            };
+            self.gathered.normals.clear();
+            self.gathered.normals.extend(self.gathered.vertices.iter().map(normal));
+            // Beyond them, not all faces of a vertex belong to the window.
+            self.uprights.set(self.seeds.len(), self.gathered.normals[..inner].iter().sum());
+        } else {
+            let window = &mut self.window;
+            window.start(ground.mesh, seed);
+            window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+            window.add_normals(ground.mesh, &mut self.gathered.normals);
+            self.uprights.set(self.seeds.len(), self.gathered.normals.iter().sum());
+            self.gathered.vertices.clone_from(&window.vertices);
+        }
+        self.place(ground, seed);
+    }
+
+    /// Loads a window as [`Batch::load`] does, with rulings.
+    pub(super) fn load_with_rulings(&mut self, ground: &Ground<'_>, seed: Face) {
+        let lane = self.seeds.len();
+        self.window.start(ground.mesh, seed);
+        self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+        self.rulings[lane] = super::rulings::rulings(ground.mesh, &self.window);
+        self.load(ground, seed);
+    }
+
+    fn place(&mut self, ground: &Ground<'_>, seed: Face) {
+        let (lane, gathered) = (self.seeds.len(), &self.gathered);
+        let (positions, centre) = (ground.mesh.positions(), ground.mesh.barycentre(seed));
+        let count = gathered.vertices.len();
+        if self.points.len() < count {
+            self.points.resize(count, V3::ZERO);
+            self.normals.resize(count, V3::ZERO);
+        }
+        let mut inside = 0;
+        for (i, (&v, &normal)) in gathered.vertices.iter().zip(&gathered.normals).enumerate() {
+            self.points[i].set(lane, positions[v as usize] - centre);
+            self.normals[i].set(lane, normal);
+            inside += usize::from(ground.stars.is_inside(v));
+        }
+        self.seeds.push(seed);
+        self.reaches.0[lane] = 0.5 * ground.mesh.least_height(seed);
+        self.centres[lane] = centre;
+        self.counts[lane] = count;
+        self.coverage[lane] = inside as f64 / count as f64;
+    }
+}
+
+impl Gathered {
+    /// Gathers the vertices of whole rings around a face, and returns how many of them have all their faces
+    /// in the window. `None` where one fan of faces has to be told from another for that.
+    fn rings(&mut self, ground: &Ground<'_>, seed: Face) -> Option<usize> {
+        let stars = &ground.stars;
+        self.vertices.clear();
+        self.marks.clear();
+        for v in ground.mesh.topology().corners(seed) {
+            self.marks.insert(v.0);
+            self.vertices.push(v.0);
+        }
+        let mut front = 0;
+        while self.vertices.len() < WANTED && front < self.vertices.len() {
+            let ring = front..self.vertices.len();
+            front = ring.end;
+            for at in ring {
+                let v = self.vertices[at];
+                if stars.is_divided(v) {
+                    return None;
+                }
+                for &w in stars.neighbours(v) {
+                    if self.marks.insert(w) {
+                        self.vertices.push(w);
+                    }
+                }
+            }
+        }
+        Some(front)
+    }
+}

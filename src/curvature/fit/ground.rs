@@ -1,0 +1,34 @@
+//! What all windows of a mesh share.
+
+use super::stars::Stars;
+use super::window::scaled_normal;
+use crate::mesh::{Face, FaceState, Mesh};
+use glam::{DVec3, Vec3};
+
+/// A mesh prepared for windows.
+pub(super) struct Ground<'m> {
+    pub(super) mesh: &'m Mesh,
+    pub(super) stars: Stars,
+    /// Whether windows reach over sharp edges.
+    pub(super) over_features: bool,
+    /// A normal at every vertex, as long as lengths are.
+    pub(super) normals: Vec<Vec3>,
+}
+
+impl<'m> Ground<'m> {
+    pub(super) fn new(mesh: &'m Mesh, over_features: bool) -> Self {
+        let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
+        let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
+        for f in sound {
+            let normal = scaled_normal(mesh, f).as_vec3();
+            for v in mesh.topology().corners(f) {
+                normals[v.index()] += normal;
+            }
+        }
+        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals }
+    }
+
+    pub(super) fn position(&self, vertex: u32) -> DVec3 {
+        self.mesh.positions()[vertex as usize]
+    }
+}
