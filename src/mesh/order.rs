@@ -3,8 +3,9 @@
 use super::ids::Face;
 use super::topology::Topology;
 use super::{EdgeKind, Mesh};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Bits of a coordinate in a place on the curve.
 const BITS: u32 = 21;
@@ -57,20 +58,54 @@ impl Mesh {
 
     /// The faces by where their barycentres lie on a Morton curve through the mesh.
     fn along_curve(&self) -> Vec<Face> {
-        let (corner, size) = self.report.bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
-        let corner = corner - self.origin;
-        let scale = f64::from((1_u32 << BITS) - 1) / size;
+        let Some((centre, axes, size)) = self.own_frame() else {
+            return (0..self.face_count() as u32).map(Face).collect();
+        };
+        let cells = f64::from(1_u32 << (BITS - 1));
         let mut places: Vec<(u64, u32)> = (0..self.face_count() as u32)
             .into_par_iter()
             .map(|f| {
-                let cell = (self.barycentre(Face(f)) - corner) * scale;
-                // What is not finite comes first.
-                let [x, y, z] = cell.to_array().map(|c| spread(c as u64));
+                let p = axes.transpose() * (self.barycentre(Face(f)) - centre) / size;
+                // From 0 to 2 per axis, with a little room for rounding; what is not finite comes first.
+                let [x, y, z] = p.to_array().map(|c| spread(((c + 1.0) * cells).min(2.0 * cells - 1.0) as u64));
                 (x | y << 1 | z << 2, f)
             })
             .collect();
         radsort::sort_by_key(&mut places, |place| place.0);
         places.into_iter().map(|place| Face(place.1)).collect()
+    }
+
+    /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way to
+    /// the vertex farthest from there, and the way to the vertex farthest from that line.
+    fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
+        let all = || self.positions.par_iter().copied().filter(|p| p.is_finite());
+        // In chunks, so that the sum does not depend on the threads.
+        let sums: Vec<(DVec3, usize)> = self
+            .positions
+            .par_chunks(1 << 16)
+            .map(|chunk| {
+                let finite = chunk.iter().filter(|p| p.is_finite());
+                finite.fold((DVec3::ZERO, 0), |(sum, count), p| (sum + p, count + 1))
+            })
+            .collect();
+        let (sum, count) = sums.into_iter().fold((DVec3::ZERO, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let centre = sum / count as f64;
+        // Among equals not the first in the file.
+        let farthest = |from: &(dyn Fn(DVec3) -> DVec3 + Sync)| {
+            all().map(|p| (from(p - centre).length_squared(), p)).reduce_with(|a, b| {
+                let is_less = a.0.total_cmp(&b.0).then_with(|| {
+                    let pairs = a.1.to_array().into_iter().zip(b.1.to_array());
+                    pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
+                });
+                if is_less == Ordering::Less { b } else { a }
+            })
+        };
+        let (square, end) = farthest(&|d| d)?;
+        let size = square.sqrt();
+        let x = (end - centre).try_normalize()?;
+        let (_, side) = farthest(&|d| d.reject_from_normalized(x))?;
+        let y = (side - centre).reject_from_normalized(x).try_normalize().unwrap_or(x.any_orthonormal_vector());
+        size.is_finite().then(|| (centre, DMat3::from_cols(x, y, x.cross(y)), size))
     }
 }
 

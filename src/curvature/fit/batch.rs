@@ -2,7 +2,7 @@
 
 use super::ground::Ground;
 use super::lanes::{F4, LANES, V3};
-use super::marks::Marks;
+use super::stars::Mark;
 use super::window::Window;
 use crate::mesh::Face;
 use glam::DVec3;
@@ -27,6 +27,8 @@ pub(super) struct Batch {
     pub(super) counts: [usize; LANES],
     /// Share of each window's vertices that lie neither on a border nor on a sharp edge.
     pub(super) coverage: [f64; LANES],
+    /// The least of the marks of each window's vertices.
+    pub(super) marks: [Mark; LANES],
     /// Places and directions in which the surface is to be straight.
     pub(super) rulings: [Vec<(DVec3, DVec3)>; LANES],
     gathered: Gathered,
@@ -37,7 +39,14 @@ pub(super) struct Batch {
 struct Gathered {
     vertices: Vec<u32>,
     normals: Vec<DVec3>,
-    marks: Marks,
+    seen: Seen,
+}
+
+/// A small set of vertices that is emptied without touching its memory.
+struct Seen {
+    /// Age and number.
+    slots: [u64; Seen::SLOTS],
+    age: u64,
 }
 
 impl Batch {
@@ -51,8 +60,9 @@ impl Batch {
             uprights: V3::ZERO,
             counts: [0; LANES],
             coverage: [0.0; LANES],
+            marks: [Mark::Deep; LANES],
             rulings: Default::default(),
-            gathered: Gathered { vertices: Vec::new(), normals: Vec::new(), marks: Marks::new() },
+            gathered: Gathered { vertices: Vec::new(), normals: Vec::new(), seen: Seen::new() },
             window: Window::new(),
         }
     }
@@ -108,29 +118,31 @@ impl Batch {
             self.points.resize(count, V3::ZERO);
             self.normals.resize(count, V3::ZERO);
         }
-        let mut inside = 0;
+        let (mut inside, mut least) = (0, Mark::Deep);
         for (i, (&v, &normal)) in gathered.vertices.iter().zip(&gathered.normals).enumerate() {
             self.points[i].set(lane, positions[v as usize] - centre);
             self.normals[i].set(lane, normal);
             inside += usize::from(ground.stars.is_inside(v));
+            least = least.min(ground.stars.mark(v));
         }
         self.seeds.push(seed);
         self.reaches.0[lane] = 0.5 * ground.mesh.least_height(seed);
         self.centres[lane] = centre;
         self.counts[lane] = count;
+        self.marks[lane] = least;
         self.coverage[lane] = inside as f64 / count as f64;
     }
 }
 
 impl Gathered {
     /// Gathers the vertices of whole rings around a face, and returns how many of them have all their faces
-    /// in the window. `None` where one fan of faces has to be told from another for that.
+    /// in the window. `None` where one fan of faces has to be told from another for that, and for very large rings.
     fn rings(&mut self, ground: &Ground<'_>, seed: Face) -> Option<usize> {
         let stars = &ground.stars;
         self.vertices.clear();
-        self.marks.clear();
+        self.seen.clear();
         for v in ground.mesh.topology().corners(seed) {
-            self.marks.insert(v.0);
+            self.seen.insert(v.0);
             self.vertices.push(v.0);
         }
         let mut front = 0;
@@ -139,16 +151,53 @@ impl Gathered {
             front = ring.end;
             for at in ring {
                 let v = self.vertices[at];
-                if stars.is_divided(v) {
+                if stars.is_divided(v) || self.vertices.len() + stars.neighbours(v).len() > Seen::MOST {
                     return None;
                 }
                 for &w in stars.neighbours(v) {
-                    if self.marks.insert(w) {
+                    if self.seen.insert(w) {
                         self.vertices.push(w);
                     }
                 }
             }
         }
         Some(front)
+    }
+}
+
+impl Seen {
+    const SLOTS: usize = 256;
+    /// It must not hold more.
+    const MOST: usize = Seen::SLOTS / 2;
+    const AGE: u64 = 1 << 32;
+
+    fn new() -> Self {
+        Seen { slots: [0; Seen::SLOTS], age: Seen::AGE }
+    }
+
+    fn clear(&mut self) {
+        // After four thousand million windows what was seen in the first ones would come to life.
+        self.age = self.age.checked_add(Seen::AGE).unwrap_or_else(|| {
+            self.slots.fill(0);
+            Seen::AGE
+        });
+    }
+
+    /// False when the vertex was there already.
+    #[inline]
+    fn insert(&mut self, vertex: u32) -> bool {
+        let wanted = self.age | u64::from(vertex);
+        let mut at = (vertex.wrapping_mul(0x9E37_79B1) >> 24) as usize;
+        loop {
+            let held = self.slots[at % Seen::SLOTS];
+            if held == wanted {
+                return false;
+            }
+            if held < self.age {
+                self.slots[at % Seen::SLOTS] = wanted;
+                return true;
+            }
+            at += 1;
+        }
     }
 }

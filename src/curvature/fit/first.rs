@@ -6,7 +6,9 @@ use super::ground::Ground;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::polynomial::{MOST, Polynomial};
 use super::shape::Principal;
+use super::stars::Mark;
 use crate::mesh::{EdgeKind, Face, FaceState};
+use std::ops::Range;
 
 /// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
 const GOOD: f64 = 2e-3;
@@ -54,8 +56,38 @@ pub(super) struct Surveyor<'g> {
     fitter: Fitter,
 }
 
-/// A fit is read at its seed and up to three neighbours.
-type Served = [Option<Face>; LANES];
+/// The faces a fit is read at, its seed the first.
+struct Served {
+    faces: [Face; Served::MOST],
+    count: usize,
+}
+
+impl Served {
+    /// A face, its neighbours over edges and theirs.
+    const MOST: usize = 10;
+
+    fn alone(seed: Face) -> Self {
+        Served { faces: [seed; Served::MOST], count: 1 }
+    }
+
+    fn push(&mut self, face: Face) {
+        self.faces[self.count] = face;
+        self.count += 1;
+    }
+
+    fn faces(&self) -> &[Face] {
+        &self.faces[..self.count]
+    }
+}
+
+/// Faces that are still to be read.
+#[derive(Default)]
+struct Left {
+    /// Those that need a fit of their own.
+    alone: Vec<Face>,
+    /// Those whose fit needs rulings.
+    ruled: Vec<Face>,
+}
 
 /// Reads one surface at several points.
 struct ReadLanes<'f> {
@@ -89,92 +121,115 @@ impl<'g> Surveyor<'g> {
 
     /// Reads all sound faces of a range; `None` is told for those without a fit.
     ///
-    /// In the order of faces each one that is not served yet gets a fit, which serves its neighbours over inner edges
-    /// too. Those the fit is not good enough for, or that lie apart, get fits of their own.
-    pub(super) fn survey(&mut self, faces: std::ops::Range<u32>, mut tell: impl FnMut(Face, Option<Reading>)) {
-        let is_sound = |f: u32| self.ground.mesh.face_state(Face(f)) == FaceState::Sound;
+    /// In the order of faces each one that is not served yet gets a fit, which serves the faces around it too: its
+    /// neighbours over inner edges, and theirs as well while fits explain their windows to the last digit. Those
+    /// the fit is not good enough for, or that lie apart, get fits of their own.
+    pub(super) fn survey(&mut self, faces: Range<u32>, mut tell: impl FnMut(Face, Option<Reading>)) {
+        let mesh = self.ground.mesh;
+        let is_sound = |f: u32| mesh.face_state(Face(f)) == FaceState::Sound;
         let mut open: Vec<bool> = faces.clone().map(is_sound).collect();
-        let (mut alone, mut ruled) = (Vec::new(), Vec::new());
-        let mut served: Vec<Served> = Vec::new();
+        let mut left = Left::default();
+        let mut served: Vec<Served> = Vec::with_capacity(LANES);
+        let mut is_even = false;
         self.batch.clear();
-        for f in faces.clone() {
-            if !std::mem::take(&mut open[(f - faces.start) as usize]) {
+        for seed in faces.clone().map(Face) {
+            if !std::mem::take(&mut open[(seed.0 - faces.start) as usize]) {
                 continue;
             }
-            let seed = Face(f);
-            let is_open = |g: Face| faces.contains(&g.0) && std::mem::take(&mut open[(g.0 - faces.start) as usize]);
-            served.push(self.neighbours(seed, is_open));
+            let mut group = Served::alone(seed);
             self.batch.load(self.ground, seed);
+            // Windows that reach an edge of the surface are not alike.
+            let steps = match self.batch.marks[served.len()] {
+                Mark::Deep if is_even => 2,
+                Mark::Deep | Mark::NearEdge => 1,
+                _ => 0,
+            };
+            let is_open = |f: Face| faces.contains(&f.0) && std::mem::take(&mut open[(f.0 - faces.start) as usize]);
+            self.add_neighbours(&mut group, steps, is_open);
+            served.push(group);
             if self.batch.is_full() {
-                self.read(&mut served, &mut alone, &mut ruled, &mut tell);
+                is_even = self.read(&mut served, &mut left, &mut tell);
             }
         }
-        self.read(&mut served, &mut alone, &mut ruled, &mut tell);
-        let mut none_left = Vec::new();
+        self.read(&mut served, &mut left, &mut tell);
+        let Left { alone, mut ruled } = left;
+        let mut left = Left::default();
         for seeds in alone.chunks(LANES) {
             for &seed in seeds {
-                served.push([Some(seed), None, None, None]);
+                served.push(Served::alone(seed));
                 self.batch.load(self.ground, seed);
             }
-            self.read(&mut served, &mut none_left, &mut ruled, &mut tell);
+            self.read(&mut served, &mut left, &mut tell);
         }
-        let mut unruly = Vec::new();
+        ruled.append(&mut left.ruled);
         for seeds in ruled.chunks(LANES) {
             for &seed in seeds {
-                served.push([Some(seed), None, None, None]);
+                served.push(Served::alone(seed));
                 self.batch.load_with_rulings(self.ground, seed);
             }
-            self.read(&mut served, &mut none_left, &mut unruly, &mut tell);
+            self.read(&mut served, &mut left, &mut tell);
         }
-        unruly.into_iter().for_each(|face| tell(face, None));
+        left.ruled.into_iter().for_each(|face| tell(face, None));
     }
 
-    /// A face and those of its neighbours over inner edges that are open.
-    fn neighbours(&self, seed: Face, mut is_open: impl FnMut(Face) -> bool) -> Served {
+    /// Adds the open faces within some steps over inner edges.
+    fn add_neighbours(&self, group: &mut Served, steps: usize, mut is_open: impl FnMut(Face) -> bool) {
         let mesh = self.ground.mesh;
-        let [a, b, c] = seed.half_edges().map(|h| {
-            let twin = mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner)?;
-            is_open(twin.face()).then(|| twin.face())
-        });
-        [Some(seed), a, b, c]
+        let mut front = 0;
+        for _ in 0..steps {
+            let ring = front..group.count;
+            front = ring.end;
+            for at in ring {
+                for h in group.faces[at].half_edges() {
+                    if mesh.edge_kind(h) == EdgeKind::Inner
+                        && let Some(twin) = mesh.topology().twin(h)
+                        && is_open(twin.face())
+                    {
+                        group.push(twin.face());
+                    }
+                }
+            }
+        }
     }
 
-    /// Fits what is loaded and reads it for all faces it serves.
+    /// Fits what is loaded and reads it for all faces it serves. True when all of it is explained to the last digit.
     fn read(
         &mut self,
         served: &mut Vec<Served>,
-        alone: &mut Vec<Face>,
-        ruled: &mut Vec<Face>,
+        left: &mut Left,
         tell: &mut impl FnMut(Face, Option<Reading>),
-    ) {
+    ) -> bool {
         let fits = self.fitter.fit(&self.batch);
-        for (lane, faces) in served.drain(..).enumerate() {
-            let others = faces[1..].iter().flatten();
+        let mut is_even = true;
+        for (lane, group) in served.drain(..).enumerate() {
             let seed = self.batch.seeds[lane];
             let fit = match fits.outcome(&self.batch, lane) {
                 Outcome::Fitted(fit) => fit,
-                Outcome::NeedsRulings => {
-                    ruled.push(seed);
-                    alone.extend(others);
-                    continue;
-                }
-                Outcome::None => {
-                    tell(seed, None);
-                    alone.extend(others);
+                outcome => {
+                    match outcome {
+                        Outcome::NeedsRulings => left.ruled.push(seed),
+                        _ => tell(seed, None),
+                    }
+                    left.alone.extend(&group.faces()[1..]);
+                    is_even = false;
                     continue;
                 }
             };
-            let readings = self.readings(seed, &fit, &fit.surface.f, faces);
-            for (face, reading) in faces.into_iter().zip(readings).filter_map(|(f, r)| Some((f?, r))) {
-                let serves = |r: &Reading| fit.coverage == 1.0 && !r.quality.is_doubtful && self.is_near(&fit, face);
-                if face == seed || reading.as_ref().is_some_and(serves) {
-                    tell(face, reading);
-                } else {
-                    alone.push(face);
+            for faces in group.faces().chunks(LANES) {
+                let readings = self.readings(seed, &fit, &fit.surface.f, faces);
+                for (&face, reading) in faces.iter().zip(readings) {
+                    let serves = |r: &Reading| !r.quality.is_doubtful && self.is_near(&fit, face);
+                    if face == seed || reading.as_ref().is_some_and(serves) {
+                        is_even &= reading.as_ref().is_some_and(|r| !r.quality.is_uneven);
+                        tell(face, reading);
+                    } else {
+                        left.alone.push(face);
+                    }
                 }
             }
         }
         self.batch.clear();
+        is_even
     }
 
     fn is_near(&self, fit: &Fit, face: Face) -> bool {
@@ -188,14 +243,12 @@ impl<'g> Surveyor<'g> {
         seed: Face,
         fit: &Fit,
         f: &Polynomial<f64>,
-        faces: Served,
+        faces: &[Face],
     ) -> [Option<Reading>; LANES] {
         let frame = fit.surface.frame;
         let mut points = V3::ZERO;
-        for (lane, face) in faces.into_iter().enumerate() {
-            if let Some(face) = face {
-                points.set(lane, frame.to_local(self.ground.mesh.barycentre(face)));
-            }
+        for (lane, &face) in faces.iter().enumerate() {
+            points.set(lane, frame.to_local(self.ground.mesh.barycentre(face)));
         }
         let principal = run(ReadLanes { f, points, unit: frame.unit });
         let is_uneven = fit.misfit > ROUNDING * self.quantum + ARITHMETIC * fit.radius;

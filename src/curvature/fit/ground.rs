@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 /// A mesh prepared for windows.
 pub(super) struct Ground<'m> {
     pub(super) mesh: &'m Mesh,
-    pub(super) stars: Stars,
+    pub(super) stars: Stars<'m>,
     /// Whether windows reach over sharp edges.
     pub(super) over_features: bool,
     /// A normal at every vertex, as long as lengths are.

@@ -185,7 +185,7 @@ impl Worker<'_> {
                 if !is_honest || !one_sided::lies_on(fit, mesh.triangle(face)) {
                     return None;
                 }
-                let [reading, ..] = self.surveyor.readings(g, fit, &fit.simple, [Some(face), None, None, None]);
+                let [reading, ..] = self.surveyor.readings(g, fit, &fit.simple, &[face]);
                 Some(value_of(&reading?, Method::OneSided, self.options))
             })
         })

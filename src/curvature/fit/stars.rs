@@ -1,71 +1,88 @@
 //! What lies around every vertex.
 
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, Vertex};
+use std::sync::OnceLock;
 
 /// Of more faces at one vertex, as in the middle of a fan, a window takes only the nearest: time for a
 /// window is bounded.
 pub(super) const CROWDED: usize = 256;
 
 /// The faces and the neighbours of every vertex, and how they hang together.
-pub(super) struct Stars {
-    faces: Lists,
+pub(super) struct Stars<'m> {
+    mesh: &'m Mesh,
+    /// Made when asked for: many meshes do without.
+    faces: OnceLock<Lists>,
     neighbours: Lists,
     marks: Vec<Mark>,
 }
 
-/// How the faces at a vertex hang together.
+/// How the surface goes on around a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Mark {
-    /// All around it.
-    Inside,
+pub(super) enum Mark {
+    /// Not at all or in several fans: sharp or non-manifold edges, several borders; or the faces are too many.
+    Divided,
     /// In one fan, with a border on both sides.
     Border,
-    /// Not at all or in several fans: sharp or non-manifold edges, several borders; or they are too many.
-    Divided,
+    /// All around it, but not all around a neighbour.
+    BesideEdge,
+    /// All around it and its neighbours, but not theirs.
+    NearEdge,
+    /// All around it, its neighbours and theirs.
+    Deep,
 }
 
-impl Stars {
-    pub(super) fn new(mesh: &Mesh, ignore_features: bool) -> Self {
+impl<'m> Stars<'m> {
+    pub(super) fn new(mesh: &'m Mesh, ignore_features: bool) -> Self {
         let topology = mesh.topology();
         let count = mesh.positions().len();
-        let takes_part = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
-        let half_edges = || faces_of(mesh).filter(takes_part).flat_map(Face::half_edges);
-        let (mut borders, mut marks) = (vec![0_u8; count], vec![Mark::Inside; count]);
-        for h in half_edges() {
-            let both = [topology.origin(h), topology.target(h)].map(Vertex::index);
-            match mesh.edge_kind(h) {
-                EdgeKind::Boundary => both.into_iter().for_each(|v| borders[v] = borders[v].saturating_add(1)),
-                EdgeKind::NonManifold => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
-                EdgeKind::Feature if !ignore_features => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
-                EdgeKind::Feature | EdgeKind::Inner => {}
-            }
-        }
-        let corners = || half_edges().map(|h| (topology.origin(h), h.face().0));
-        let faces = Lists::new(count, corners);
+        let (mut borders, mut marks) = (vec![0_u8; count], vec![Mark::Deep; count]);
         // Where windings agree, the half-edges of both faces show an edge from both ends.
         let is_shown_twice = |h: HalfEdge| topology.twin(h).is_some_and(|twin| !topology.is_flipped(h, twin));
-        let neighbours = Lists::new(count, || {
-            half_edges().flat_map(|h| {
-                let (a, b) = (topology.origin(h), topology.target(h));
-                let back = (!is_shown_twice(h)).then_some((b, a.0));
-                std::iter::once((a, b.0)).chain(back)
-            })
-        });
+        let mut neighbours = Lists::counted(count);
+        for h in half_edges(mesh) {
+            let both = [topology.origin(h), topology.target(h)].map(Vertex::index);
+            neighbours.ends[both[0]] += 1;
+            neighbours.ends[both[1]] += u32::from(!is_shown_twice(h));
+            match mesh.edge_kind(h) {
+                EdgeKind::Inner => {}
+                EdgeKind::Boundary => both.into_iter().for_each(|v| borders[v] = borders[v].saturating_add(1)),
+                EdgeKind::NonManifold => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
+                EdgeKind::Feature if ignore_features => {}
+                EdgeKind::Feature => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
+            }
+        }
+        neighbours.make_room();
+        for h in half_edges(mesh) {
+            let (a, b) = (topology.origin(h), topology.target(h));
+            neighbours.push(a, b.0);
+            if !is_shown_twice(h) {
+                neighbours.push(b, a.0);
+            }
+        }
         for (v, mark) in marks.iter_mut().enumerate() {
             let by_borders = match borders[v] {
-                0 => Mark::Inside,
+                0 => Mark::Deep,
                 1 | 2 => Mark::Border,
                 _ => Mark::Divided,
             };
-            *mark = if faces.of(v as u32).len() > CROWDED { Mark::Divided } else { by_borders.max(*mark) };
+            *mark = if neighbours.of(v as u32).len() > CROWDED { Mark::Divided } else { by_borders.min(*mark) };
         }
-        Stars { faces, neighbours, marks }
+        if marks.iter().any(|&mark| mark != Mark::Deep) {
+            let mut spread = |from: fn(Mark) -> bool, to: Mark| {
+                let beside = |v: usize| neighbours.of(v as u32).iter().any(|&w| from(marks[w as usize]));
+                let found: Vec<usize> = (0..count).filter(|&v| marks[v] == Mark::Deep && beside(v)).collect();
+                found.into_iter().for_each(|v| marks[v] = to);
+            };
+            spread(|mark| mark <= Mark::Border, Mark::BesideEdge);
+            spread(|mark| mark == Mark::BesideEdge, Mark::NearEdge);
+        }
+        Stars { mesh, faces: OnceLock::new(), neighbours, marks }
     }
 
     /// The faces at a vertex.
     #[inline]
     pub(super) fn of(&self, vertex: u32) -> &[u32] {
-        self.faces.of(vertex)
+        self.faces.get_or_init(|| Lists::of_faces(self.mesh)).of(vertex)
     }
 
     /// The vertices that share an edge with a vertex; some of them may be named twice.
@@ -74,48 +91,66 @@ impl Stars {
         self.neighbours.of(vertex)
     }
 
+    #[inline]
+    pub(super) fn mark(&self, vertex: u32) -> Mark {
+        self.marks[vertex as usize]
+    }
+
     /// True where not all faces at a vertex hang together.
     #[inline]
     pub(super) fn is_divided(&self, vertex: u32) -> bool {
-        self.marks[vertex as usize] == Mark::Divided
+        self.mark(vertex) == Mark::Divided
     }
 
     /// True where the surface goes on all around a vertex.
     #[inline]
     pub(super) fn is_inside(&self, vertex: u32) -> bool {
-        self.marks[vertex as usize] == Mark::Inside
+        self.mark(vertex) > Mark::Border
     }
 }
 
-fn faces_of(mesh: &Mesh) -> impl Iterator<Item = Face> {
-    (0..mesh.face_count() as u32).map(Face)
+/// The half-edges of the faces that take part.
+fn half_edges(mesh: &Mesh) -> impl Iterator<Item = HalfEdge> {
+    let takes_part = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
+    (0..mesh.face_count() as u32).map(Face).filter(takes_part).flat_map(Face::half_edges)
 }
 
-/// A list of numbers for every vertex, one behind the other.
+/// A list of numbers for every vertex, one behind the other: first the lengths are counted in `ends`, then there
+/// is room, then the numbers are pushed.
 struct Lists {
     ends: Vec<u32>,
     entries: Vec<u32>,
 }
 
 impl Lists {
-    /// From pairs (vertex, entry), which are asked for twice; entries keep their order.
-    fn new<I: Iterator<Item = (Vertex, u32)>>(count: usize, pairs: impl Fn() -> I) -> Self {
-        let mut ends = vec![0_u32; count + 1];
-        for (v, _) in pairs() {
-            ends[v.index() + 1] += 1;
+    fn counted(count: usize) -> Self {
+        Lists { ends: vec![0; count], entries: Vec::new() }
+    }
+
+    fn of_faces(mesh: &Mesh) -> Self {
+        let topology = mesh.topology();
+        let mut faces = Lists::counted(mesh.positions().len());
+        half_edges(mesh).for_each(|h| faces.ends[topology.origin(h).index()] += 1);
+        faces.make_room();
+        half_edges(mesh).for_each(|h| faces.push(topology.origin(h), h.face().0));
+        faces
+    }
+
+    /// Turns lengths into starts.
+    fn make_room(&mut self) {
+        let mut total = 0;
+        for end in &mut self.ends {
+            total += std::mem::replace(end, total);
         }
-        for v in 1..=count {
-            ends[v] += ends[v - 1];
-        }
-        let mut entries = vec![0; ends[count] as usize];
-        // Filling moves the start of each list to its end.
-        for (v, entry) in pairs() {
-            let at = &mut ends[v.index()];
-            entries[*at as usize] = entry;
-            *at += 1;
-        }
-        ends.pop();
-        Lists { ends, entries }
+        self.entries.resize(total as usize, 0);
+    }
+
+    /// Pushing moves the start of each list to its end.
+    #[inline]
+    fn push(&mut self, vertex: Vertex, entry: u32) {
+        let at = &mut self.ends[vertex.index()];
+        self.entries[*at as usize] = entry;
+        *at += 1;
     }
 
     #[inline]

@@ -43,7 +43,7 @@ impl Window {
     }
 
     /// Begins with the faces at a vertex.
-    pub(super) fn start_at(&mut self, mesh: &Mesh, stars: &Stars, vertex: u32) {
+    pub(super) fn start_at(&mut self, mesh: &Mesh, stars: &Stars<'_>, vertex: u32) {
         let Some((&first, others)) = stars.of(vertex).split_first() else { return };
         self.start(mesh, Face(first));
         for &face in others.iter().take(CROWDED) {
@@ -52,14 +52,14 @@ impl Window {
     }
 
     /// Lays whole rings until there are `count` vertices or no more.
-    pub(super) fn grow_to(&mut self, mesh: &Mesh, stars: &Stars, ignore_features: bool, count: usize) {
+    pub(super) fn grow_to(&mut self, mesh: &Mesh, stars: &Stars<'_>, ignore_features: bool, count: usize) {
         while self.vertices.len() < count && !self.exhausted {
             self.add_ring(mesh, stars, ignore_features);
         }
     }
 
     /// Adds all faces that share a vertex with what is there, over edges that are not sharp.
-    pub(super) fn add_ring(&mut self, mesh: &Mesh, stars: &Stars, ignore_features: bool) {
+    pub(super) fn add_ring(&mut self, mesh: &Mesh, stars: &Stars<'_>, ignore_features: bool) {
         let (vertices, faces) = (self.front..self.vertices.len(), self.faces.len());
         self.front = self.vertices.len();
         for at in vertices {
@@ -77,7 +77,7 @@ impl Window {
     }
 
     /// Adds the faces at a vertex that hang together with one of the first `known` faces.
-    fn add_fan(&mut self, mesh: &Mesh, stars: &Stars, vertex: Vertex, known: usize, ignore_features: bool) {
+    fn add_fan(&mut self, mesh: &Mesh, stars: &Stars<'_>, vertex: Vertex, known: usize, ignore_features: bool) {
         let topology = mesh.topology();
         let open = |h: HalfEdge| match mesh.edge_kind(h) {
             EdgeKind::Inner => true,
@@ -124,7 +124,7 @@ impl Window {
     }
 
     /// The share of the window's vertices that lie neither on a border nor on a sharp edge.
-    pub(super) fn coverage(&self, stars: &Stars) -> f64 {
+    pub(super) fn coverage(&self, stars: &Stars<'_>) -> f64 {
         let inside = self.vertices.iter().filter(|&&v| stars.is_inside(v)).count();
         inside as f64 / self.vertices.len() as f64
     }
