@@ -114,13 +114,20 @@ pub(super) fn estimate(
         worker.first(start..start + out.len() as u32, out, quality);
         progress.advance(out.len() as u64);
     });
-    out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
-        for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| quality[*f].is_uneven) {
-            if let Some(value) = worker.one_sided(Face(f as u32), &quality) {
-                *out = FaceCurvature { coverage: out.coverage, ..value };
+    if quality.iter().any(|q| q.is_uneven) {
+        let least = one_sided::least_around(&ground, &quality);
+        let is_beside_better = |f: usize| {
+            let around = mesh.topology().faces()[f].map(|v| least[v as usize]);
+            quality[f].is_uneven && around.into_iter().any(|m| one_sided::is_better(m, quality[f].misfit))
+        };
+        out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
+            for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| is_beside_better(*f)) {
+                if let Some(value) = worker.one_sided(Face(f as u32), &quality) {
+                    *out = FaceCurvature { coverage: out.coverage, ..value };
+                }
             }
-        }
-    });
+        });
+    }
     let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
     let wanted: Vec<bool> = out.iter().zip(&quality).map(doubtful).collect();
     drop(quality);

@@ -6,15 +6,17 @@
 
 use super::exact::Fit;
 use super::first::Quality;
+use super::ground::Ground;
 use super::implicit::Implicit;
 use super::window::{Window, oriented_area};
 use crate::mesh::{Face, Mesh};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// A neighbour's fit must explain its window this much better. Smooth surfaces reach a tenth by chance.
-pub(super) const BETTER: f64 = 0.02;
+const BETTER: f64 = 0.02;
 /// Most neighbours tried.
-pub(super) const TRIED: usize = 16;
+const TRIED: usize = 16;
 
 /// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit, and
 /// no side of it from one sheet of the surface to another.
@@ -33,14 +35,38 @@ pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
     })
 }
 
+/// True where a misfit is so much less than a face's own that a jump may lie between.
+pub(super) fn is_better(misfit: f32, own: f32) -> bool {
+    f64::from(misfit) <= BETTER * f64::from(own)
+}
+
+/// For every vertex, the least misfit of a face within as many rings as [`candidates`] come from: where it is not
+/// much less than a face's own, there are none.
+pub(super) fn least_around(ground: &Ground<'_>, quality: &[Quality]) -> Vec<f32> {
+    /// Rings of vertices beyond a face's own; windows of regular meshes have three.
+    const RINGS: usize = 4;
+    let topology = ground.mesh.topology();
+    let mut least = vec![f32::INFINITY; ground.mesh.positions().len()];
+    for (corners, quality) in topology.faces().iter().zip(quality) {
+        for &v in corners {
+            least[v as usize] = least[v as usize].min(quality.misfit);
+        }
+    }
+    for _ in 0..RINGS {
+        let of = |v: usize| ground.stars.neighbours(v as u32).iter().fold(least[v], |m, &w| m.min(least[w as usize]));
+        least = (0..least.len()).into_par_iter().map(of).collect();
+    }
+    least
+}
+
 /// Seeds of the fits that serve the faces around, by how well they explain their windows, in powers of ten,
 /// then by the distance of the face.
 pub(super) fn candidates(mesh: &Mesh, centre: DVec3, own: f32, faces: &[u32], quality: &[Quality]) -> Vec<Face> {
     let mut others: Vec<(i32, f64, Face)> = faces
         .iter()
-        .map(|&g| (f64::from(quality[g as usize].misfit) / f64::from(own), g))
-        .filter(|&(ratio, _)| ratio <= BETTER)
-        .map(|(ratio, g)| {
+        .filter(|&&g| is_better(quality[g as usize].misfit, own))
+        .map(|&g| {
+            let ratio = f64::from(quality[g as usize].misfit) / f64::from(own);
             let power = ratio.max(1e-8).log10().floor() as i32;
             (power, mesh.barycentre(Face(g)).distance_squared(centre), quality[g as usize].seed)
         })
