@@ -2,6 +2,7 @@
 
 use super::ground::Ground;
 use super::lanes::{F4, LANES, V3};
+use super::rings::Rings;
 use super::stars::Mark;
 use super::window::Window;
 use crate::mesh::Face;
@@ -37,16 +38,8 @@ pub(super) struct Batch {
 
 /// Memory for one window.
 struct Gathered {
-    vertices: Vec<u32>,
+    rings: Rings,
     normals: Vec<DVec3>,
-    seen: Seen,
-}
-
-/// A small set of vertices that is emptied without touching its memory.
-struct Seen {
-    /// Age and number.
-    slots: [u64; Seen::SLOTS],
-    age: u64,
 }
 
 impl Batch {
@@ -62,7 +55,7 @@ impl Batch {
             coverage: [0.0; LANES],
             marks: [Mark::Deep; LANES],
             rulings: Default::default(),
-            gathered: Gathered { vertices: Vec::new(), normals: Vec::new(), seen: Seen::new() },
+            gathered: Gathered { rings: Rings::new(), normals: Vec::new() },
             window: Window::new(),
         }
     }
@@ -81,22 +74,22 @@ impl Batch {
 
     /// Loads the window of a face into the next lane: whole rings until there are [`WANTED`] vertices.
     pub(super) fn load(&mut self, ground: &Ground<'_>, seed: Face) {
-        if let Some(inner) = self.gathered.rings(ground, seed) {
+        if self.gathered.rings(ground, seed) {
             let normal = |&v: &u32| match ground.stars.is_divided(v) {
                 true => DVec3::ZERO,
                 false => ground.normals[v as usize].as_dvec3(),
             };
             self.gathered.normals.clear();
-            self.gathered.normals.extend(self.gathered.vertices.iter().map(normal));
+            self.gathered.normals.extend(self.gathered.rings.vertices.iter().map(normal));
             // Beyond them, not all faces of a vertex belong to the window.
-            self.uprights.set(self.seeds.len(), self.gathered.normals[..inner].iter().sum());
+            self.uprights.set(self.seeds.len(), self.gathered.normals[..self.gathered.rings.inner].iter().sum());
         } else {
             let window = &mut self.window;
             window.start(ground.mesh, seed);
             window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
             window.add_normals(ground.mesh, &mut self.gathered.normals);
             self.uprights.set(self.seeds.len(), self.gathered.normals.iter().sum());
-            self.gathered.vertices.clone_from(&window.vertices);
+            self.gathered.rings.vertices.clone_from(&window.vertices);
         }
         self.place(ground, seed);
     }
@@ -113,13 +106,13 @@ impl Batch {
     fn place(&mut self, ground: &Ground<'_>, seed: Face) {
         let (lane, gathered) = (self.seeds.len(), &self.gathered);
         let (positions, centre) = (ground.mesh.positions(), ground.mesh.barycentre(seed));
-        let count = gathered.vertices.len();
+        let count = gathered.rings.vertices.len();
         if self.points.len() < count {
             self.points.resize(count, V3::ZERO);
             self.normals.resize(count, V3::ZERO);
         }
         let (mut inside, mut least) = (0, Mark::Deep);
-        for (i, (&v, &normal)) in gathered.vertices.iter().zip(&gathered.normals).enumerate() {
+        for (i, (&v, &normal)) in gathered.rings.vertices.iter().zip(&gathered.normals).enumerate() {
             self.points[i].set(lane, positions[v as usize] - centre);
             self.normals[i].set(lane, normal);
             inside += usize::from(ground.stars.is_inside(v));
@@ -135,69 +128,15 @@ impl Batch {
 }
 
 impl Gathered {
-    /// Gathers the vertices of whole rings around a face, and returns how many of them have all their faces
-    /// in the window. `None` where one fan of faces has to be told from another for that, and for very large rings.
-    fn rings(&mut self, ground: &Ground<'_>, seed: Face) -> Option<usize> {
-        let stars = &ground.stars;
-        self.vertices.clear();
-        self.seen.clear();
-        for v in ground.mesh.topology().corners(seed) {
-            self.seen.insert(v.0);
-            self.vertices.push(v.0);
-        }
-        let mut front = 0;
-        while self.vertices.len() < WANTED && front < self.vertices.len() {
-            let ring = front..self.vertices.len();
-            front = ring.end;
-            for at in ring {
-                let v = self.vertices[at];
-                if stars.is_divided(v) || self.vertices.len() + stars.neighbours(v).len() > Seen::MOST {
-                    return None;
-                }
-                for &w in stars.neighbours(v) {
-                    if self.seen.insert(w) {
-                        self.vertices.push(w);
-                    }
-                }
-            }
-        }
-        Some(front)
-    }
-}
-
-impl Seen {
-    const SLOTS: usize = 256;
-    /// It must not hold more.
-    const MOST: usize = Seen::SLOTS / 2;
-    const AGE: u64 = 1 << 32;
-
-    fn new() -> Self {
-        Seen { slots: [0; Seen::SLOTS], age: Seen::AGE }
-    }
-
-    fn clear(&mut self) {
-        // After four thousand million windows what was seen in the first ones would come to life.
-        self.age = self.age.checked_add(Seen::AGE).unwrap_or_else(|| {
-            self.slots.fill(0);
-            Seen::AGE
-        });
-    }
-
-    /// False when the vertex was there already.
-    #[inline]
-    fn insert(&mut self, vertex: u32) -> bool {
-        let wanted = self.age | u64::from(vertex);
-        let mut at = (vertex.wrapping_mul(0x9E37_79B1) >> 24) as usize;
-        loop {
-            let held = self.slots[at % Seen::SLOTS];
-            if held == wanted {
+    /// Gathers the vertices of whole rings around a face. False where one fan of faces has to be told from
+    /// another for that.
+    fn rings(&mut self, ground: &Ground<'_>, seed: Face) -> bool {
+        self.rings.start(ground.mesh.topology().corners(seed).map(|v| v.0));
+        while self.rings.vertices.len() < WANTED && !self.rings.is_exhausted() {
+            if !self.rings.grow(ground) {
                 return false;
             }
-            if held < self.age {
-                self.slots[at % Seen::SLOTS] = wanted;
-                return true;
-            }
-            at += 1;
         }
+        true
     }
 }

@@ -9,6 +9,7 @@
 //! moved and tilted until these are small.
 
 use super::frame::Frame;
+use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::least_squares::{Factor, Rows};
 use super::shape::Shape;
 use glam::{DMat3, DVec3};
@@ -34,16 +35,55 @@ pub(super) struct ChordFit {
     highest: usize,
 }
 
-fn monomials(x: f64, y: f64) -> [f64; WIDEST] {
+#[inline(always)]
+fn monomials<T: Real>(one: T, x: T, y: T) -> [T; WIDEST] {
     let (xx, xy, yy) = (x * x, x * y, y * y);
-    [1.0, x, y, xx, xy, yy, xx * x, xx * y, x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy]
+    [one, x, y, xx, xy, yy, xx * x, xx * y, x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy]
 }
 
 /// Chord coordinates of a local point whose height over the tangent plane is `z`.
-fn chord(p: DVec3, z: f64) -> (f64, f64) {
+#[inline(always)]
+fn chord<T: Real>(p: V3<T>, z: T) -> (T, T) {
     let planar = p.x * p.x + p.y * p.y;
-    let stretch = if planar > 0.0 { (1.0 + z * z / planar).min(9.0).sqrt() } else { 1.0 };
+    let one = T::splat(1.0);
+    let stretch = planar.if_positive((one + z * z / planar).min(T::splat(9.0)).sqrt(), one);
     (p.x * stretch, p.y * stretch)
+}
+
+/// Fills rows with the monomials at samples, each times the root of its weight.
+struct FillRows<'f> {
+    frame: &'f Frame,
+    samples: &'f [DVec3],
+    weights: &'f [f64],
+    width: usize,
+    rows: &'f mut Rows,
+}
+
+impl Kernel for FillRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let FillRows { frame, samples, weights, width, rows } = self;
+        let axes = [frame.axes.x_axis, frame.axes.y_axis, frame.axes.z_axis].map(V3::splat);
+        let scale = F4::splat(1.0 / frame.unit);
+        for lane in 0..rows.lanes() {
+            let first = lane * LANES;
+            let (mut d, mut weight) = (V3::ZERO, F4::ZERO);
+            for i in 0..LANES.min(samples.len() - first) {
+                d.set(i, samples[first + i] - frame.origin);
+                weight.0[i] = weights.get(first + i).copied().unwrap_or(1.0);
+            }
+            let p = V3::new(d.dot(axes[0]), d.dot(axes[1]), d.dot(axes[2])).scaled(scale);
+            let (x, y) = chord(p, p.z);
+            let root = weight.sqrt();
+            let mut values = monomials(F4::ONE, x, y);
+            for value in &mut values {
+                *value = *value * root;
+            }
+            rows.set_lane(lane, &values[..width], p.z * root);
+        }
+    }
 }
 
 fn tilted(normal: DVec3, x: DVec3) -> DMat3 {
@@ -72,12 +112,7 @@ impl ChordFit {
             let degree = if last { highest } else { highest.min(3) };
             let width = TERMS[degree];
             rows.reset(samples.len(), width);
-            for (row, &p) in samples.iter().enumerate() {
-                let p = frame.to_local(p);
-                let (x, y) = chord(p, p.z);
-                let root = weights.get(row).map_or(1.0, |w| w.sqrt());
-                rows.set(row, &monomials(x, y).map(|m| m * root)[..width], p.z * root);
-            }
+            run(FillRows { frame: &frame, samples, weights, width, rows });
             let factor = rows.factor();
             if last {
                 let mut residuals = [0.0; 5];
@@ -164,7 +199,7 @@ impl Chord {
         let c = &self.coefficients;
         let (xx, xy, yy) = (x * x, x * y, y * y);
         Jet {
-            value: monomials(x, y).iter().zip(c).map(|(m, c)| m * c).sum(),
+            value: monomials(1.0, x, y).iter().zip(c).map(|(m, c)| m * c).sum(),
             first: [
                 c[1] + 2.0 * c[3] * x
                     + c[4] * y
@@ -198,7 +233,7 @@ impl Chord {
     pub(super) fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
         let c = &self.coefficients;
         let p = self.frame.to_local(point);
-        let (x, y) = chord(p, p.z - c[0] - c[1] * p.x - c[2] * p.y);
+        let (x, y) = chord(p.into(), p.z - c[0] - c[1] * p.x - c[2] * p.y);
         let z = self.height(x, y);
         // Heights over the tangent plane alone shorten the way along it from chord to foot.
         let bent = Jet {

@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::implicit::Implicit;
-use super::lanes::V3;
+use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::least_squares::{Factor, MOST, Rows};
 use super::polynomial::{Polynomial, basis};
 use glam::DVec3;
@@ -22,8 +22,6 @@ pub(super) struct Cyclide {
 impl Cyclide {
     pub(super) fn fit(frame: Frame, samples: &[DVec3], noise: f64, rows: &mut Rows) -> Option<Self> {
         const ROUNDS: usize = 3;
-        /// A gradient this small, against one at the middle, belongs to a fold of the surface.
-        const LEAST_SLOPE: f64 = 0.05;
         if samples.len() < TERMS + 8 {
             return None;
         }
@@ -36,18 +34,8 @@ impl Cyclide {
         let mut factor = factor_with_prior(rows, noise);
         let mut surface = Implicit { frame, f: Polynomial { coefficients: factor.solve(TERMS), size: TERMS } };
         for _ in 0..ROUNDS {
-            for (row, &p) in points.iter().enumerate() {
-                // The distance, linear in the coefficients: that of the foot, and from there to the sample.
-                let gradient = surface.gradient(p);
-                let foot = p - gradient * (surface.value(p) / gradient.length_squared());
-                let gradient = surface.gradient(foot);
-                let slope = gradient.length();
-                let is_near = foot.distance_squared(p) <= 0.25;
-                if !(is_near && slope > LEAST_SLOPE) {
-                    return None;
-                }
-                let value = foot.z + gradient.dot(p - foot);
-                rows.set(row, &terms(foot).map(|f| f / slope), value / slope);
+            if !run(FillRows { f: &surface.f, points: &points, rows }) {
+                return None;
             }
             factor = factor_with_prior(rows, noise);
             surface.f.coefficients = factor.solve(TERMS);
@@ -59,6 +47,51 @@ impl Cyclide {
 
     pub(super) fn tensor_variance(&self) -> f64 {
         self.factor.tensor_variance(TERMS) / self.surface.frame.unit.powi(4)
+    }
+}
+
+/// Fills rows with the distances of samples from a surface, linear in the coefficients: that of the foot,
+/// and from there to the sample. False where the surface folds or is far from a sample.
+struct FillRows<'f> {
+    f: &'f Polynomial<f64>,
+    points: &'f [DVec3],
+    rows: &'f mut Rows,
+}
+
+impl Kernel for FillRows<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        /// A gradient this small, against one at the middle, belongs to a fold of the surface.
+        const LEAST_SLOPE: f64 = 0.05;
+        let FillRows { f, points, rows } = self;
+        let f = f.splat();
+        let (mut farthest, mut least) = (F4::ZERO, F4::splat(f64::INFINITY));
+        for lane in 0..rows.lanes() {
+            let first = lane * LANES;
+            // Lanes beyond the last point repeat it, with no weight.
+            let (mut p, mut weight) = (V3::ZERO, F4::ZERO);
+            for i in 0..LANES {
+                p.set(i, points[(first + i).min(points.len() - 1)]);
+                weight.0[i] = if first + i < points.len() { 1.0 } else { 0.0 };
+            }
+            let gradient = f.gradient(p);
+            let foot = p - gradient.scaled(f.value(p) / gradient.dot(gradient));
+            let gradient = f.gradient(foot);
+            let slope = gradient.dot(gradient).sqrt();
+            let way = p - foot;
+            // What is not a number counts as far.
+            farthest = (F4::splat(0.25) - way.dot(way)).if_positive(farthest, F4::splat(f64::INFINITY));
+            least = least.min(slope - F4::splat(LEAST_SLOPE));
+            let share = weight / slope;
+            let mut values: [F4; TERMS] = basis(foot, F4::ONE);
+            for value in &mut values {
+                *value = *value * share;
+            }
+            rows.set_lane(lane, &values, (foot.z + gradient.dot(way)) * share);
+        }
+        farthest == F4::ZERO && least.0.iter().all(|&left| left > 0.0)
     }
 }
 

@@ -4,7 +4,7 @@ use super::batch::Batch;
 use super::exact::{Fit, Fitter, Outcome};
 use super::ground::Ground;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
-use super::polynomial::{MOST, Polynomial};
+use super::polynomial::Polynomial;
 use super::shape::Principal;
 use super::stars::Mark;
 use crate::mesh::{EdgeKind, Face, FaceState};
@@ -101,9 +101,7 @@ impl Kernel for ReadLanes<'_> {
 
     #[inline(always)]
     fn run(self) -> Principal<F4> {
-        let mut coefficients = [F4::ZERO; MOST];
-        coefficients.iter_mut().zip(&self.f.coefficients).for_each(|(to, &from)| *to = F4::splat(from));
-        let f = Polynomial { coefficients, size: self.f.size };
+        let f = self.f.splat();
         let foot = f.foot(self.points);
         let gradient = f.gradient(foot);
         let length = gradient.dot(gradient).sqrt();

@@ -3,9 +3,10 @@
 //! The first k columns of the basis, for each size k, are a model of their own; the leading k x k block
 //! of the factor is that model's factor.
 
+use super::lanes::{F4, Kernel, LANES, run};
+
 /// Most columns of a basis.
 pub(super) const MOST: usize = 22;
-const LANES: usize = 4;
 type Lane = [f64; LANES];
 
 /// One row per sample: the basis functions there and the value they are to explain. Stored by column.
@@ -59,11 +60,26 @@ impl Rows {
         }
     }
 
+    /// Sets the four rows from `4 * lane` on; those beyond the last row must be zero.
+    #[inline(always)]
+    pub(super) fn set_lane(&mut self, lane: usize, values: &[F4], value: F4) {
+        for (column, v) in values.iter().chain(std::iter::once(&value)).enumerate() {
+            self.columns[column * self.stride + lane] = v.0;
+        }
+    }
+
+    /// The number of times four rows.
+    pub(super) fn lanes(&self) -> usize {
+        self.stride
+    }
+
+    #[inline(always)]
     fn column(&self, column: usize) -> &[Lane] {
         &self.columns[column * self.stride..(column + 1) * self.stride]
     }
 
     /// Scalar products of a column with four that follow each other from `b` on.
+    #[inline(always)]
     fn dots(&self, a: usize, b: usize) -> [f64; 4] {
         let mut sums = [[0.0; LANES]; 4];
         let others: [&[Lane]; 4] = std::array::from_fn(|k| self.column(b + k));
@@ -78,6 +94,7 @@ impl Rows {
         sums.map(|s| (s[0] + s[2]) + (s[1] + s[3]))
     }
 
+    #[inline(always)]
     fn dot(&self, a: usize, b: usize) -> f64 {
         let mut sums = [0.0; LANES];
         for (a, b) in self.column(a).iter().zip(self.column(b)) {
@@ -90,6 +107,11 @@ impl Rows {
 
     /// Forms the normal equations.
     pub(super) fn normal(&self) -> Normal {
+        run(FormNormal(self))
+    }
+
+    #[inline(always)]
+    fn form_normal(&self) -> Normal {
         let mut normal = Normal { gram: [[0.0; MOST]; MOST + 1], width: self.width };
         for (i, row) in normal.gram[..=self.width].iter_mut().enumerate() {
             // Up to the diagonal; for the right side, all columns.
@@ -112,6 +134,11 @@ impl Rows {
 
     /// The sum of squared residuals of the first `until` rows.
     pub(super) fn residual(&self, coefficients: &[f64], until: usize) -> f64 {
+        run(SumResidual { rows: self, coefficients, until })
+    }
+
+    #[inline(always)]
+    fn sum_residual(&self, coefficients: &[f64], until: usize) -> f64 {
         let mut total = 0.0;
         for lane in 0..until.div_ceil(LANES) {
             let mut left = self.columns[self.width * self.stride + lane];
@@ -125,6 +152,32 @@ impl Rows {
             total += left[..parts].iter().map(|r| r * r).sum::<f64>();
         }
         total
+    }
+}
+
+struct FormNormal<'r>(&'r Rows);
+
+impl Kernel for FormNormal<'_> {
+    type Output = Normal;
+
+    #[inline(always)]
+    fn run(self) -> Normal {
+        self.0.form_normal()
+    }
+}
+
+struct SumResidual<'r> {
+    rows: &'r Rows,
+    coefficients: &'r [f64],
+    until: usize,
+}
+
+impl Kernel for SumResidual<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        self.rows.sum_residual(self.coefficients, self.until)
     }
 }
 

@@ -25,6 +25,7 @@ mod marks;
 mod one_sided;
 mod patches;
 mod polynomial;
+mod rings;
 mod rulings;
 mod samples;
 mod scale;
@@ -89,7 +90,7 @@ pub(super) fn estimate(
                 let value = radius(face).and_then(|r| steady::within(sampler, face, r, quantum));
                 match value {
                     Some(value) => {
-                        let coverage = sampler.window.coverage(&ground.stars);
+                        let coverage = ground.stars.coverage(sampler.vertices());
                         *out = blended_value(coverage, &value, Method::Window, options);
                     }
                     None => left.push(face),

@@ -12,7 +12,7 @@
 //! Coordinates are those of a local frame, lengths in units of the window's size. Everything works on one
 //! function or on several side by side.
 
-use super::lanes::{Real, V3};
+use super::lanes::{F4, Real, V3};
 
 /// The sizes of the nested bases.
 pub(super) const SIZES: [usize; 5] = [3, 6, 9, 13, 22];
@@ -101,6 +101,16 @@ pub(super) fn basis_along<T: Real>(p: V3<T>, d: V3<T>) -> [T; MOST] {
         xy * dyy + dxy * yy,
         yy * dyy * 2.0,
     ]
+}
+
+impl Polynomial<f64> {
+    /// The same function in all lanes.
+    #[inline(always)]
+    pub(super) fn splat(&self) -> Polynomial<F4> {
+        let mut coefficients = [F4::ZERO; MOST];
+        coefficients.iter_mut().zip(&self.coefficients).for_each(|(to, &from)| *to = F4::splat(from));
+        Polynomial { coefficients, size: self.size }
+    }
 }
 
 impl<T: Real> Polynomial<T> {

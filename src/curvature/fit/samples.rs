@@ -3,14 +3,30 @@
 use super::frame::Frame;
 use super::ground::Ground;
 use super::least_squares::Rows;
+use super::rings::Rings;
 use super::window::Window;
 use crate::mesh::Face;
 use glam::{DVec3, Vec3};
 
+/// Where a window begins.
+#[derive(Clone, Copy)]
+enum Start {
+    Face(Face),
+    Vertex(u32),
+}
+
 /// Gathers samples; reused from place to place.
 pub(super) struct Sampler<'g> {
     pub(super) ground: &'g Ground<'g>,
-    pub(super) window: Window,
+    rings: Rings,
+    /// Stands in for the rings where fans of faces have to be told apart.
+    window: Window,
+    is_divided: bool,
+    start: Start,
+    /// Rings laid since the start.
+    laid: usize,
+    /// The side the samples face.
+    facing: Vec3,
     pub(super) rows: Rows,
     pub(super) points: Vec<DVec3>,
     order: Vec<(f64, u32)>,
@@ -21,7 +37,12 @@ impl<'g> Sampler<'g> {
     pub(super) fn new(ground: &'g Ground<'g>) -> Self {
         Sampler {
             ground,
+            rings: Rings::new(),
             window: Window::new(),
+            is_divided: false,
+            start: Start::Vertex(0),
+            laid: 0,
+            facing: Vec3::ZERO,
             rows: Rows::new(),
             points: Vec::new(),
             order: Vec::new(),
@@ -31,19 +52,62 @@ impl<'g> Sampler<'g> {
 
     /// Begins anew at a face.
     pub(super) fn start(&mut self, seed: Face) {
-        self.window.start(self.ground.mesh, seed);
+        let corners = self.ground.mesh.topology().corners(seed).map(|v| v.0);
+        self.begin(Start::Face(seed), &corners);
     }
 
     /// Begins anew at a vertex.
     pub(super) fn start_at(&mut self, vertex: u32) {
-        self.window.start_at(self.ground.mesh, &self.ground.stars, vertex);
+        self.begin(Start::Vertex(vertex), &[vertex]);
+    }
+
+    fn begin(&mut self, start: Start, vertices: &[u32]) {
+        self.facing = vertices.iter().map(|&v| self.ground.normals[v as usize]).sum();
+        self.rings.start(vertices.iter().copied());
+        (self.start, self.laid, self.is_divided) = (start, 0, false);
+    }
+
+    /// All vertices gathered since the start.
+    pub(super) fn vertices(&self) -> &[u32] {
+        if self.is_divided { &self.window.vertices } else { &self.rings.vertices }
+    }
+
+    fn is_exhausted(&self) -> bool {
+        if self.is_divided { self.window.exhausted } else { self.rings.is_exhausted() }
+    }
+
+    fn add_ring(&mut self) {
+        let ground = self.ground;
+        self.laid += 1;
+        if !self.is_divided && self.rings.grow(ground) {
+            return;
+        }
+        let mut rings = 1;
+        if !std::mem::replace(&mut self.is_divided, true) {
+            rings = self.laid;
+            match self.start {
+                Start::Face(seed) => self.window.start(ground.mesh, seed),
+                Start::Vertex(vertex) => {
+                    self.window.start_at(ground.mesh, &ground.stars, vertex);
+                    rings -= 1;
+                }
+            }
+        }
+        for _ in 0..rings {
+            self.window.add_ring(ground.mesh, &ground.stars, ground.over_features);
+        }
+    }
+
+    fn grow_to(&mut self, count: usize) {
+        while self.vertices().len() < count && !self.is_exhausted() {
+            self.add_ring();
+        }
     }
 
     /// Takes the `count` vertices nearest to `centre` among the rings that hold half as many more, and
     /// returns their frame, with the largest distance as its unit.
     pub(super) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<Frame> {
-        let ground = self.ground;
-        self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, count + count / 2);
+        self.grow_to(count + count / 2);
         self.take(centre, |_| count)
     }
 
@@ -52,11 +116,11 @@ impl<'g> Sampler<'g> {
         let ground = self.ground;
         let square = radius * radius;
         loop {
-            let before = self.window.vertices.len();
-            self.window.add_ring(ground.mesh, &ground.stars, ground.over_features);
+            let before = self.vertices().len();
+            self.add_ring();
             let near = |&v: &u32| ground.position(v).distance_squared(centre) <= square;
-            let added = &self.window.vertices[before..];
-            if self.window.exhausted || before >= least && !added.iter().any(near) {
+            let added = self.vertices().get(before..).unwrap_or_default();
+            if self.is_exhausted() || before >= least && !added.iter().any(near) {
                 break;
             }
         }
@@ -65,12 +129,11 @@ impl<'g> Sampler<'g> {
 
     fn take(&mut self, centre: DVec3, count: impl Fn(&[(f64, u32)]) -> usize) -> Option<Frame> {
         let ground = self.ground;
-        let seed = Face(*self.window.faces.first()?);
-        let corners = ground.mesh.topology().corners(seed);
-        let facing: Vec3 = corners.iter().map(|v| ground.normals[v.index()]).sum();
-        self.order.clear();
-        let alike = self.window.vertices.iter().filter(|&&v| ground.normals[v as usize].dot(facing) > 0.0);
-        self.order.extend(alike.map(|&v| (ground.position(v).distance_squared(centre), v)));
+        let (facing, mut order) = (self.facing, std::mem::take(&mut self.order));
+        order.clear();
+        let alike = self.vertices().iter().filter(|&&v| ground.normals[v as usize].dot(facing) > 0.0);
+        order.extend(alike.map(|&v| (ground.position(v).distance_squared(centre), v)));
+        self.order = order;
         let count = count(&self.order).min(self.order.len());
         if count < 8 {
             return None;

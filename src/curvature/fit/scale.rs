@@ -12,7 +12,7 @@ use super::ground::Ground;
 use super::patches::{self, Blended, Patch, Surface};
 use super::samples::Sampler;
 use super::steady::ROUGH_WINDOW;
-use crate::mesh::{Face, Mesh};
+use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -116,7 +116,8 @@ fn probe_all(ground: &Ground<'_>, seeds: &[Face], seed_of: &[u32], levels: usize
 }
 
 fn probe(sampler: &mut Sampler<'_>, seed: Face, seed_of: &[u32], levels: usize) -> Probe {
-    let mesh = sampler.ground.mesh;
+    let ground = sampler.ground;
+    let mesh = ground.mesh;
     let centre = mesh.barycentre(seed);
     let mut probe = Probe {
         seed,
@@ -157,7 +158,7 @@ fn probe(sampler: &mut Sampler<'_>, seed: Face, seed_of: &[u32], levels: usize) 
         }
         if level < 2 {
             let reach = fit.frame.unit.powi(2) * if level == 0 { 4.0 } else { 2.0 };
-            probe.neighbours = seeds_within(mesh, &sampler.window.faces, seed_of, centre, reach);
+            probe.neighbours = seeds_within(ground, sampler.vertices(), seed_of, centre, reach);
         }
         if sampler.points.len() < count || deviation > HOPELESS * probe.noise {
             break;
@@ -166,15 +167,17 @@ fn probe(sampler: &mut Sampler<'_>, seed: Face, seed_of: &[u32], levels: usize) 
     probe
 }
 
-/// The nearest seeds among faces, at most 16.
-fn seeds_within(mesh: &Mesh, faces: &[u32], seed_of: &[u32], centre: DVec3, square: f64) -> Vec<u32> {
-    let mut near: Vec<(f64, u32)> = faces
+/// The nearest seeds among the faces at vertices, at most 16.
+fn seeds_within(ground: &Ground<'_>, vertices: &[u32], seed_of: &[u32], centre: DVec3, square: f64) -> Vec<u32> {
+    let mut near: Vec<(f64, u32)> = vertices
         .iter()
+        .flat_map(|&v| ground.stars.of(v))
         .filter(|&&f| seed_of[f as usize] != u32::MAX)
-        .map(|&f| (mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
+        .map(|&f| (ground.mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
         .filter(|n| n.0 <= square)
         .collect();
     near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.dedup();
     near.into_iter().take(16).map(|n| n.1).collect()
 }
 

@@ -91,6 +91,11 @@ impl<'m> Stars<'m> {
         self.neighbours.of(vertex)
     }
 
+    /// The share of vertices that lie neither on a border nor on a sharp edge.
+    pub(super) fn coverage(&self, vertices: &[u32]) -> f64 {
+        vertices.iter().filter(|&&v| self.is_inside(v)).count() as f64 / vertices.len() as f64
+    }
+
     #[inline]
     pub(super) fn mark(&self, vertex: u32) -> Mark {
         self.marks[vertex as usize]

@@ -26,7 +26,7 @@ pub(super) fn around_vertices(ground: &Ground<'_>) -> Vec<Option<Blended>> {
         .map_init(
             || Sampler::new(ground),
             |sampler, v| {
-                if ground.stars.of(v).is_empty() {
+                if ground.stars.neighbours(v).is_empty() {
                     return None;
                 }
                 let centre = mesh.positions()[v as usize];

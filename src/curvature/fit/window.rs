@@ -123,12 +123,6 @@ impl Window {
         }
     }
 
-    /// The share of the window's vertices that lie neither on a border nor on a sharp edge.
-    pub(super) fn coverage(&self, stars: &Stars<'_>) -> f64 {
-        let inside = self.vertices.iter().filter(|&&v| stars.is_inside(v)).count();
-        inside as f64 / self.vertices.len() as f64
-    }
-
     /// For every vertex, a normal of those of its faces that are in the window. As long as lengths, not areas: that
     /// the squares of small areas do not vanish.
     pub(super) fn add_normals(&self, mesh: &Mesh, normals: &mut Vec<DVec3>) {
