@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn the_surface_stays_the_same() {
         let soup = Grid::new(Surface::Saddle, 9, 7).build().soup;
-        let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).unwrap();
+        let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a sound mesh");
         let (ordered, faces) = mesh.in_order();
         let mut seen = vec![false; mesh.face_count()];
         for (new, &old) in faces.iter().enumerate() {

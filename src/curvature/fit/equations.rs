@@ -190,8 +190,8 @@ impl<const N: usize> Factor<N> {
             for i in 0..size {
                 x[i] = x[i] * self.inverse[i];
                 let solved = x[i];
-                for k in i + 1..size {
-                    x[k] -= self.lower[k][i] * solved;
+                for (x, row) in x[i + 1..size].iter_mut().zip(&self.lower[i + 1..size]) {
+                    *x -= row[i] * solved;
                 }
             }
             self.substitute_back(&mut x, size);

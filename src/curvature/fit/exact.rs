@@ -341,24 +341,23 @@ impl Samples {
     fn choose(&self, models: &[Model; 4], reach: F4, is_flat: &[bool; LANES], mut chosen: Chosen) -> Chosen {
         let mut left = [[true; 4]; LANES];
         for _ in 0..models.len() {
-            for i in 0..LANES {
+            for (i, left) in left.iter_mut().enumerate() {
                 if chosen.found[i] {
                     continue;
                 }
                 let mut best = 0;
                 for m in 1..models.len() {
                     let is_less = models[m].cost.0[i] < models[best].cost.0[i];
-                    if left[i][m] && (is_less || !left[i][best]) {
+                    if left[m] && (is_less || !left[best]) {
                         best = m;
                     }
                 }
-                left[i][best] = false;
+                left[best] = false;
                 chosen.take(i, &models[best], SIZES[best]);
             }
             let is_sane = self.is_sane(&Polynomial { coefficients: chosen.coefficients, size: SIMPLE }, reach);
-            for i in 0..LANES {
-                chosen.found[i] |= is_sane[i] && chosen.cost.0[i] < f64::INFINITY;
-            }
+            let cost = chosen.cost.0;
+            chosen.found = which(|i| chosen.found[i] || is_sane[i] && cost[i] < f64::INFINITY);
             if !which(|i| !chosen.found[i] && !is_flat[i]).contains(&true) {
                 break;
             }

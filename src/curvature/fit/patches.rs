@@ -6,8 +6,8 @@
 use super::chord::Chord;
 use super::ground::Ground;
 use super::implicit::Implicit;
+use super::samples::Sampler;
 use super::shape::Shape;
-use super::window::Window;
 use crate::mesh::{Face, FaceState};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -115,11 +115,14 @@ impl Reached {
     fn new(ground: &Ground<'_>, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Self {
         let pairs: Vec<Vec<(u32, u32)>> = (0..seeds.len())
             .into_par_iter()
-            .map_init(Window::new, |window, i| {
-                let Some(patch) = &patches[i] else { return Vec::new() };
-                let near = faces_within(ground, seeds[i], REACH * patch.radius(), window);
-                near.filter(|&f| wanted[f as usize]).map(|f| (f, i as u32)).collect()
-            })
+            .map_init(
+                || Sampler::new(ground),
+                |sampler, i| {
+                    let Some(patch) = &patches[i] else { return Vec::new() };
+                    let near = sampler.faces_within(seeds[i], REACH * patch.radius());
+                    near.into_iter().filter(|&f| wanted[f as usize]).map(|f| (f, i as u32)).collect()
+                },
+            )
             .collect();
         let mut ends = vec![0_u32; wanted.len() + 1];
         for &(f, _) in pairs.iter().flatten() {
@@ -141,28 +144,6 @@ impl Reached {
     fn of(&self, face: usize) -> &[u32] {
         &self.patches[self.ends[face] as usize..self.ends[face + 1] as usize]
     }
-}
-
-/// The faces whose barycentres lie within a distance of a face's, and hang together with it.
-fn faces_within<'w>(
-    ground: &Ground<'_>,
-    seed: Face,
-    radius: f64,
-    window: &'w mut Window,
-) -> impl Iterator<Item = u32> + 'w {
-    let mesh = ground.mesh;
-    let centre = mesh.barycentre(seed);
-    let near = |f: u32| mesh.barycentre(Face(f)).distance_squared(centre) <= radius * radius;
-    window.start(mesh, seed);
-    loop {
-        let before = window.faces.len();
-        window.add_ring(mesh, &ground.stars, ground.over_features);
-        if window.exhausted || !window.faces[before..].iter().any(|&f| near(f)) {
-            break;
-        }
-    }
-    let within: Vec<bool> = window.faces.iter().map(|&f| near(f)).collect();
-    window.faces.iter().copied().zip(within).filter_map(|(f, near)| near.then_some(f))
 }
 
 fn blend_face<'p>(

@@ -113,18 +113,40 @@ impl<'g> Sampler<'g> {
 
     /// Takes all vertices within `radius` of `centre`, and at least `least` where there are so many.
     pub(super) fn take_within(&mut self, centre: DVec3, radius: f64, least: usize) -> Option<Frame> {
-        let ground = self.ground;
         let square = radius * radius;
+        self.grow_over(centre, square, least);
+        self.take(centre, |order| order.iter().filter(|n| n.0 <= square).count().max(least))
+    }
+
+    /// The faces whose barycentres lie within a distance of a face's, and hang together with it.
+    pub(super) fn faces_within(&mut self, seed: Face, radius: f64) -> Vec<u32> {
+        let ground = self.ground;
+        let (centre, square) = (ground.mesh.barycentre(seed), radius * radius);
+        self.start(seed);
+        self.grow_over(centre, square, 0);
+        let is_near = |f: u32| ground.mesh.barycentre(Face(f)).distance_squared(centre) <= square;
+        if self.is_divided {
+            return self.window.faces.iter().copied().filter(|&f| is_near(f)).collect();
+        }
+        let corners = |f: u32| ground.mesh.topology().faces()[f as usize];
+        let at = |&v: &u32| {
+            // Every face once, at the least of its corners.
+            ground.stars.of(v).iter().copied().filter(move |&f| corners(f).iter().all(|&w| v <= w))
+        };
+        self.rings.vertices.iter().flat_map(at).filter(|&f| is_near(f)).collect()
+    }
+
+    /// Adds rings until there are `least` vertices and no more come that are near `centre`.
+    fn grow_over(&mut self, centre: DVec3, square: f64, least: usize) {
         loop {
             let before = self.vertices().len();
             self.add_ring();
-            let near = |&v: &u32| ground.position(v).distance_squared(centre) <= square;
+            let near = |&v: &u32| self.ground.position(v).distance_squared(centre) <= square;
             let added = self.vertices().get(before..).unwrap_or_default();
             if self.is_exhausted() || before >= least && !added.iter().any(near) {
                 break;
             }
         }
-        self.take(centre, |order| order.iter().filter(|n| n.0 <= square).count().max(least))
     }
 
     fn take(&mut self, centre: DVec3, count: impl Fn(&[(f64, u32)]) -> usize) -> Option<Frame> {
