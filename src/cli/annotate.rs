@@ -35,7 +35,11 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         tell(&summary, messages);
     }
     let seconds = summary.seconds.total;
-    messages.info(&format!("{}: {} faces in {seconds:.2} s", args.output.display(), summary.report.faces));
+    let faces = match summary.selected_faces {
+        Some(selected) => format!("{selected} of {} faces", summary.report.faces),
+        None => format!("{} faces", summary.report.faces),
+    };
+    messages.info(&format!("{}: {faces} in {seconds:.2} s", args.output.display()));
     Ok(Outcome::of(summary.has_defects()))
 }
 

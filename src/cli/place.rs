@@ -20,6 +20,7 @@ pub(super) fn read_mesh(
     mesh: &MeshArgs,
     messages: &Messages,
 ) -> Result<Input, Error> {
+    outputs.iter().try_for_each(|output| osculate::check_folder(output))?;
     let path = &input.path;
     let bars = Bars::new(messages.wants_progress());
     let (soup, format) = osculate::read_with(path, &input.reading.options()?, &bars)?;

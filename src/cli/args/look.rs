@@ -1,10 +1,10 @@
 //! What is written, and how it looks.
 
 use super::SpaceArgs;
-use crate::cli::choices::{CarrierArg, ColorByArg, LayoutArg};
+use crate::cli::choices::{CarrierArg, ColorByArg, CompressArg, LayoutArg};
 use crate::cli::parse::{quantity, range};
 use clap::Args;
-use osculate::{Colormap, Range, Selection};
+use osculate::{Colormap, Condition, Range, Selection};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
@@ -17,6 +17,13 @@ pub(in crate::cli) struct LookArgs {
     /// none
     #[arg(long, value_name = "LIST", value_parser = Selection::parse, default_value = "default")]
     pub(super) attributes: Selection,
+
+    /// Write only the faces that fulfil a condition, such as class=hyperbolic or "k_max>0.1 and mean=-1:1".
+    /// Comparisons, joined by and, of a CSV column with a number in the input's unit (=, !=, <, <=, >, >=),
+    /// with a range LOW:HIGH (=, !=), or of class and method with names separated by commas. Values, colours
+    /// and --edges stay those of the whole mesh
+    #[arg(long, value_name = "CONDITION", allow_hyphen_values = true)]
+    pub(super) select: Option<Condition>,
 
     /// Quantity that the colours show
     #[arg(long, value_enum, value_name = "QUANTITY", default_value_t = ColorByArg::Mean)]
@@ -51,6 +58,19 @@ pub(in crate::cli) struct LookArgs {
     /// PLY: vertex quality and properties; NPZ: arrays vertex_...
     #[arg(long)]
     pub(super) vertex_values: bool,
+
+    /// Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for
+    /// CesiumJS and its kin; some 50 bytes more for each face
+    #[arg(long)]
+    pub(super) metadata: bool,
+
+    /// Compress what is added to a glTF file, for delivery over the web (EXT_meshopt_compression). Clients
+    /// then lose: opening the file at all where they do not know the extension (MeshLab, Blender,
+    /// trimesh, VTK and others refuse it); positions to less than 1/65536 of the mesh's size (those of a
+    /// glTF input stay exact); curvatures and radii beyond 16 significant bits; directions, shares and
+    /// shape index beyond 1/32768
+    #[arg(long, value_enum, value_name = "METHOD", default_value_t = CompressArg::None)]
+    pub(super) compress: CompressArg,
 
     /// Replace attributes of a glTF input that have one of the names above but come from elsewhere;
     /// without it they stay and Osculate's are left out
