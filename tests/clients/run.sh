@@ -59,11 +59,16 @@ for file in "$out"/*.glb "$out"/*.gltf; do
 done
 echo "$(ls "$out"/*.glb "$out"/*.gltf | wc -l) files without a message from the validator"
 
+# Fails where there is a message that docs/file-format.md does not name. (`! grep` would not end the script.)
+only_documented() {
+    if grep -vE 'info (UNSUPPORTED_EXTENSION|UNUSED_OBJECT)|\(in the input too\)' "$out/messages"; then exit 1; fi
+}
+
 # Layout `indexed` has the messages that docs/file-format.md names, and no other.
 for file in suzanne.stl scene.glb character.glb; do
     write "$fixtures/$file" "indexed-$file.glb" --layout indexed
     node validate.mjs --allow-from "$fixtures/scene.glb" --allow-from "$fixtures/character.glb" "$out/indexed-$file.glb" >"$out/messages" || true
-    ! grep -vE 'info (UNSUPPORTED_EXTENSION|UNUSED_OBJECT)|\(in the input too\)' "$out/messages"
+    only_documented
 done
 
 # So have metadata and compression.
@@ -72,7 +77,7 @@ for file in suzanne.stl scene.glb character.glb; do
         # shellcheck disable=SC2086 # options, word by word
         write "$fixtures/$file" extended.glb $way
         node validate.mjs --allow-from "$fixtures/scene.glb" --allow-from "$fixtures/character.glb" "$out/extended.glb" >"$out/messages" || true
-        ! grep -vE 'info (UNSUPPORTED_EXTENSION|UNUSED_OBJECT)|\(in the input too\)' "$out/messages"
+        only_documented
     done
 done
 
