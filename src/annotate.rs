@@ -1,13 +1,14 @@
 //! The main job as a list of verbs: read, weld, estimate, colour, write.
 
-use crate::annotation::{Annotation, ColorCarrier, Layout, Space, Unit, UpAxis};
+use crate::annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
+use crate::condition::Condition;
 use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius};
 use crate::edge_lines::edge_layers;
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions};
 use crate::legend;
-use crate::mesh::{Mesh, MeshOptions};
+use crate::mesh::{Face, Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
@@ -15,8 +16,10 @@ use crate::statistics::{CurvatureSummary, Seconds, Summary};
 use crate::stored::StoredValues;
 use crate::vertex_values::VertexValues;
 use glam::DVec3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Settings for [`annotate`].
@@ -28,6 +31,8 @@ pub struct AnnotateOptions {
     pub mesh: MeshOptions,
     /// Estimation.
     pub curvature: CurvatureOptions,
+    /// The faces that the output gets; `None`: all. Values, colours and `edges` are those of the whole mesh.
+    pub select: Option<Condition>,
     /// Quantities to write.
     pub selection: Selection,
     /// The quantity that colours show; `None` for no colours. Default: mean.
@@ -47,6 +52,12 @@ pub struct AnnotateOptions {
     /// Replace attributes of a glTF input that have a name of ours but were not written by Osculate;
     /// otherwise they stay and ours are left out.
     pub force: bool,
+    /// Also write the values into a glTF file as a table of `EXT_structural_metadata`, whose rows the faces
+    /// name by `EXT_mesh_features`.
+    pub metadata: bool,
+    /// Compress a glTF file with `EXT_meshopt_compression`, which rounds positions and values
+    /// (docs/file-format.md).
+    pub compress: bool,
     /// The input's up axis; `None` for Z in STL and Y in everything else.
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
@@ -74,6 +85,7 @@ impl Default for AnnotateOptions {
             read: ReadOptions::default(),
             mesh: MeshOptions::default(),
             curvature: CurvatureOptions::default(),
+            select: None,
             selection: Selection::default(),
             color_by: Some(Quantity::Mean),
             variants: Vec::new(),
@@ -82,6 +94,8 @@ impl Default for AnnotateOptions {
             carrier: ColorCarrier::Texture,
             layout: Layout::Faces,
             force: false,
+            metadata: false,
+            compress: false,
             up: None,
             unit: None,
             reuse: false,
@@ -121,6 +135,11 @@ impl AnnotateOptions {
         if !self.variants.is_empty() && self.layout == Layout::Indexed {
             return Err(Error::Usage("layout indexed carries no colours; leave --variants out".into()));
         }
+        if self.metadata && self.layout == Layout::Indexed {
+            let what =
+                "--metadata numbers the vertices of each face, which layout indexed shares; leave one of them out";
+            return Err(Error::Usage(what.into()));
+        }
         let shown = self.shown();
         if shown == [Quantity::Class] && self.colormap.is_some() {
             return Err(Error::Usage("classes have colours of their own; leave --colormap out".into()));
@@ -137,6 +156,7 @@ impl AnnotateOptions {
             if !options.curvature.perimeter {
                 options.selection = options.selection.without(quantity);
             }
+            options.curvature.perimeter |= options.select.as_ref().is_some_and(|select| select.uses(quantity));
         }
         options
     }
@@ -159,6 +179,18 @@ impl AnnotateOptions {
     /// The range of a colour scale: the one asked for is that of the first, whose unit it has.
     fn range_of(&self, scale: usize) -> Range {
         if scale == 0 { self.range } else { Range::Auto }
+    }
+
+    /// Refuses more faces than the format can hold.
+    fn check_size(&self, format: OutputFormat, faces: usize) -> Result<(), Error> {
+        if self.metadata && faces > LARGEST_EXACT_FACE {
+            return Err(Error::TooLarge(format!(
+                "--metadata numbers faces in 32-bit floats, exact to {LARGEST_EXACT_FACE}, and there are {faces}: leave it out, or write fewer faces with --select"
+            )));
+        }
+        // Compressed it will be smaller, nobody knows by how much.
+        let smallest = if self.compress { 0 } else { faces };
+        io::check_size(format, self.layout, smallest, &self.selection, self.color_bytes())
     }
 
     /// Bytes that colours take in each vertex.
@@ -186,7 +218,7 @@ impl AnnotateOptions {
             Radius::FaceFactor(factor) => (None, Some(format!("{factor}:face"))),
             Radius::MeshFactor(factor) => (None, Some(format!("{factor}:mesh"))),
         };
-        json!({
+        let mut all = json!({
             "estimator": curvature.estimator.name(),
             "radius": radius,
             "radius_factor": radius_factor,
@@ -206,7 +238,17 @@ impl AnnotateOptions {
             "color": self.carrier,
             "variants": self.variants,
             "layout": self.layout,
-        })
+        });
+        if self.metadata {
+            all["metadata"] = true.into();
+        }
+        if self.compress {
+            all["compress"] = "meshopt".into();
+        }
+        if let Some(select) = &self.select {
+            all["select"] = select.to_string().into();
+        }
+        all
     }
 }
 
@@ -223,13 +265,19 @@ pub fn annotate(
 ) -> Result<Summary, Error> {
     options.check()?;
     let options = &options.with_perimeter_if_wanted();
+    if !format.is_gltf() && (options.metadata || options.compress) {
+        return Err(Error::Usage("--metadata and --compress are for .glb and .gltf; leave them out".into()));
+    }
     destination.check_folder()?;
+    options.edges.iter().chain(&options.legend).try_for_each(|path| io::check_folder(path))?;
     let start = Instant::now();
     let (mut soup, input_format) = io::read_with(input, &options.read, progress)?;
     let space = options.space(input_format, format)?;
     let others: Vec<PathBuf> = options.edges.iter().chain(&options.legend).chain(&options.reserved).cloned().collect();
     destination.check(format, &others, input, &soup, options.shown().len())?;
-    io::check_size(format, options.layout, soup.face_count(), &options.selection, options.color_bytes())?;
+    if options.select.is_none() {
+        options.check_size(format, soup.face_count())?;
+    }
     let stored = io::stored_values(&soup)?;
     if options.reuse && stored.is_none() {
         let what = "has no values of Osculate's to use again; leave --reuse out";
@@ -241,7 +289,7 @@ pub fn annotate(
                 let what = "vertex colours would change the look that the glTF input has; leave --color out";
                 return Err(Error::Usage(what.into()));
             }
-            let notes = io::check_original(scene, options.force)?;
+            let notes = io::check_original(scene, options.force, options.metadata)?;
             soup.notes.extend(notes);
         } else {
             scene.original = None;
@@ -268,6 +316,10 @@ pub fn annotate(
             curvature::estimate(&mesh, &options.curvature, progress)?
         }
     };
+    let selected = options.select.as_ref().map(|select| chosen(select, &values, input)).transpose()?;
+    if let Some(selected) = &selected {
+        options.check_size(format, selected.len())?;
+    }
     let estimate = start.elapsed();
 
     let colors = (options.shown().into_iter().enumerate())
@@ -276,6 +328,7 @@ pub fn annotate(
     let annotation = Annotation {
         mesh: &mesh,
         values: &values,
+        selected: selected.clone(),
         name: io::mesh_name(input),
         vertex_values: options.vertex_values.then(|| {
             let written = if format.is_gltf() { options.selection.for_gltf() } else { options.selection.for_csv() };
@@ -286,6 +339,8 @@ pub fn annotate(
         carrier: options.carrier,
         layout: options.layout,
         force: options.force,
+        metadata: options.metadata,
+        compress: options.compress,
         space,
         provenance,
     };
@@ -297,9 +352,11 @@ pub fn annotate(
         let space = Space::to_gltf(input_format, options.up, options.unit)?;
         let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
         io::write_lines(&scene, out)?;
+        out.settle()?;
     }
     if let Some(out) = &mut legend {
         legend::write(&annotation, out)?;
+        out.settle()?;
     }
     io::write(&annotation, format, destination, progress)?;
     legend.map_or(Ok(()), Output::finish)?;
@@ -312,6 +369,7 @@ pub fn annotate(
         input: input.display().to_string(),
         format: input_format,
         report: mesh.report().clone(),
+        selected_faces: selected.map(|selected| selected.len()),
         notes,
         settings: annotation.provenance.clone(),
         legend: annotation.legend(),
@@ -319,6 +377,18 @@ pub fn annotate(
         curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
     })
+}
+
+/// The faces that fulfil a condition.
+fn chosen(select: &Condition, values: &[FaceCurvature], input: &Path) -> Result<Arc<[u32]>, Error> {
+    let faces: Vec<u32> =
+        (0..values.len() as u32).into_par_iter().filter(|&f| select.holds(Face(f), &values[f as usize])).collect();
+    if faces.is_empty() {
+        let what =
+            format!("none of its {} faces fulfils --select \"{select}\", so there is nothing to write", values.len());
+        return Err(Error::EmptyMesh(format!("{}: {what}", input.display())));
+    }
+    Ok(faces.into())
 }
 
 /// Values that are used again were estimated with the settings of their own run.

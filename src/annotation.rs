@@ -5,11 +5,13 @@ use crate::curvature::FaceCurvature;
 use crate::error::Error;
 use crate::io::{InputFormat, OutputFormat};
 use crate::mesh::Mesh;
+use crate::numbers::Numbers;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::vertex_values::VertexValues;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 /// The unit that the input's coordinates are in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -143,6 +145,8 @@ pub struct Annotation<'m> {
     pub mesh: &'m Mesh,
     /// One value per face.
     pub values: &'m [FaceCurvature],
+    /// The faces that are written, in ascending order; `None`: all.
+    pub selected: Option<Arc<[u32]>>,
     /// The object's name in the output.
     pub name: String,
     /// Values of vertices, where they are to be written too.
@@ -157,6 +161,10 @@ pub struct Annotation<'m> {
     pub layout: Layout,
     /// Whether attributes of a glTF input that have a name of ours but are not are replaced.
     pub force: bool,
+    /// Whether a glTF file also carries the values as a table of `EXT_structural_metadata`.
+    pub metadata: bool,
+    /// Whether a glTF file is compressed with `EXT_meshopt_compression`.
+    pub compress: bool,
     /// Axes and units of a glTF file.
     pub space: Space,
     /// Settings and version: all that is needed to repeat the run.
@@ -167,6 +175,36 @@ pub struct Annotation<'m> {
 pub const LARGEST_EXACT_FACE: usize = 1 << 24;
 
 impl Annotation<'_> {
+    /// The faces that are written.
+    pub(crate) fn faces(&self) -> Numbers {
+        match &self.selected {
+            Some(selected) => Numbers::List(Arc::clone(selected)),
+            None => Numbers::Run(0..self.values.len() as u32),
+        }
+    }
+
+    /// The welded vertices that are written: with all faces, those that none uses too.
+    pub(crate) fn vertices(&self) -> Numbers {
+        match &self.selected {
+            Some(_) => self.vertices_of(&self.faces()),
+            None => Numbers::Run(0..self.mesh.positions().len() as u32),
+        }
+    }
+
+    /// The welded vertices of some faces. Those of a run of faces that makes up a body stand together,
+    /// since vertices are numbered by first use.
+    pub(crate) fn vertices_of(&self, faces: &Numbers) -> Numbers {
+        let corners = || faces.iter().flat_map(|f| self.mesh.topology().corners(crate::Face(f))).map(|v| v.0);
+        if self.selected.is_none() {
+            let first = corners().min().unwrap_or(0);
+            return Numbers::Run(first..corners().max().map_or(0, |last| last + 1));
+        }
+        let mut used: Vec<u32> = corners().collect();
+        used.sort_unstable();
+        used.dedup();
+        Numbers::List(used.into())
+    }
+
     /// The quantities of a glTF file; face numbers only where a 32-bit float can hold them all.
     pub fn gltf_quantities(&self) -> Vec<Quantity> {
         let mut quantities = self.selection.for_gltf();

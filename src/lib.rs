@@ -26,6 +26,7 @@
 mod annotate;
 mod annotation;
 mod color;
+mod condition;
 mod curvature;
 mod cut;
 mod disk;
@@ -36,6 +37,7 @@ mod io;
 mod legend;
 mod lines;
 mod mesh;
+mod numbers;
 mod place;
 mod progress;
 mod quantity;
@@ -52,6 +54,7 @@ mod vertex_values;
 pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
+pub use condition::Condition;
 pub use curvature::{
     CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, from_disk,
     normal_curvature,
@@ -62,8 +65,8 @@ pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
-    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_outputs, check_size, read,
-    read_bytes, read_with, real_path, remove_unfinished_outputs, stored_values, write, write_lines, write_mesh,
+    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_folder, check_outputs, check_size,
+    read, read_bytes, read_with, real_path, remove_unfinished_outputs, stored_values, write, write_lines, write_mesh,
     write_svg,
 };
 pub use lines::{Layer, Polyline};

@@ -121,6 +121,9 @@ pub struct Summary {
     /// The mesh and its defects.
     #[serde(flatten)]
     pub report: MeshReport,
+    /// How many faces were written, where a condition chose them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub selected_faces: Option<usize>,
     /// What was repaired, skipped or is worth knowing.
     pub notes: Vec<Note>,
     /// All settings.

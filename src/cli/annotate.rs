@@ -24,7 +24,7 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;
 
     let bars = Bars::new(messages.wants_progress());
-    let summary = osculate::annotate(&args.input, &destination, format, &options, &bars)?;
+    let summary = osculate::annotate(&args.input.path, &destination, format, &options, &bars)?;
     if let Some(stats) = stats {
         write_stats(&summary, stats)?;
     }
@@ -35,7 +35,11 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         tell(&summary, messages);
     }
     let seconds = summary.seconds.total;
-    messages.info(&format!("{}: {} faces in {seconds:.2} s", args.output.display(), summary.report.faces));
+    let faces = match summary.selected_faces {
+        Some(selected) => format!("{selected} of {} faces", summary.report.faces),
+        None => format!("{} faces", summary.report.faces),
+    };
+    messages.info(&format!("{}: {faces} in {seconds:.2} s", args.output.display()));
     Ok(Outcome::of(summary.has_defects()))
 }
 

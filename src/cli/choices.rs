@@ -84,6 +84,11 @@ choices!(CarrierArg => ColorCarrier {
     None => ColorCarrier::None,
 });
 
+choices!(CompressArg => bool {
+    None => false,
+    Meshopt => true,
+});
+
 choices!(LayoutArg => Layout {
     Faces => Layout::Faces,
     Indexed => Layout::Indexed,

@@ -13,9 +13,10 @@ pub(super) fn write(annotation: &Annotation<'_>, out: &mut dyn Write, progress: 
     let quantities = annotation.selection.for_csv();
     let names: Vec<&str> = quantities.iter().flat_map(|q| q.columns()).copied().collect();
     writeln!(out, "{}", names.join(","))?;
-    in_blocks(annotation.values.len(), out, progress, |faces, text| {
+    let written = annotation.faces();
+    in_blocks(written.len(), out, progress, |rows, text| {
         let mut buffer = zmij::Buffer::new();
-        for f in faces {
+        for f in rows.map(|row| written.at(row)) {
             let value = &annotation.values[f as usize];
             let mut separate = false;
             for &quantity in &quantities {

@@ -57,14 +57,24 @@ impl Destination {
     /// # Errors
     /// [`Error::Io`] with the folder.
     pub(crate) fn check_folder(&self) -> Result<(), Error> {
-        let Destination::File(path) = self else { return Ok(()) };
-        match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-                let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "the folder does not exist");
-                Err(Error::io(path, "create", missing))
-            }
-            _ => Ok(()),
+        match self {
+            Destination::File(path) => check_folder(path),
+            Destination::Stdout => Ok(()),
         }
+    }
+}
+
+/// Refuses an output in a folder that does not exist, before anything is read.
+///
+/// # Errors
+/// [`Error::Io`] with the output.
+pub fn check_folder(output: &Path) -> Result<(), Error> {
+    match output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "the folder does not exist");
+            Err(Error::io(output, "create", missing))
+        }
+        _ => Ok(()),
     }
 }
 

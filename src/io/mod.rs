@@ -20,7 +20,7 @@ mod svg;
 mod text;
 mod threemf;
 
-pub use destination::{Destination, check_outputs, real_path};
+pub use destination::{Destination, check_folder, check_outputs, real_path};
 pub use gltf::{LineScene, write_lines};
 pub(crate) use input::mesh_name;
 pub use input::{InputFormat, ReadOptions, read, read_bytes, read_with};
@@ -108,8 +108,8 @@ pub fn check_size(
 ///
 /// # Errors
 /// [`Error::Parse`] with the place.
-pub(crate) fn check_original(scene: &Scene, force: bool) -> Result<Vec<Note>, Error> {
-    gltf::check_original(scene, force)
+pub(crate) fn check_original(scene: &Scene, force: bool, metadata: bool) -> Result<Vec<Note>, Error> {
+    gltf::check_original(scene, force, metadata)
 }
 
 /// Writes an annotated mesh.
@@ -159,7 +159,7 @@ fn write_to(
 
 /// Roughly how many bytes will be written, for the progress bar.
 fn expected_bytes(annotation: &Annotation<'_>, format: OutputFormat) -> u64 {
-    let faces = annotation.values.len();
+    let faces = annotation.faces().len();
     if format.is_gltf() {
         let color_bytes = match annotation.carrier {
             ColorCarrier::Texture => 8 * annotation.colors.len() as u64,

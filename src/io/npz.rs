@@ -15,30 +15,34 @@ use zip::{CompressionMethod, ZipWriter};
 pub(super) fn write(annotation: &Annotation<'_>, out: &mut dyn Write, progress: &dyn Progress) -> io::Result<()> {
     let mesh = annotation.mesh;
     let mut archive = Archive { zip: ZipWriter::new_stream(out), progress };
-    let (vertices, faces) = (mesh.positions().len(), mesh.face_count());
+    let (written, points) = (annotation.faces(), annotation.vertices());
+    let (vertices, faces) = (points.len(), written.len());
     archive.array("positions", "<f8", &[vertices, 3], vertices, |v, bytes| {
-        for c in (mesh.positions()[v as usize] + mesh.origin()).to_array() {
+        for c in (mesh.positions()[points.at(v) as usize] + mesh.origin()).to_array() {
             bytes.extend(c.to_le_bytes());
         }
     })?;
     archive.array("faces", "<u4", &[faces, 3], faces, |f, bytes| {
-        for corner in mesh.topology().corners(Face(f)) {
-            bytes.extend(corner.0.to_le_bytes());
+        for corner in mesh.topology().corners(Face(written.at(f))) {
+            bytes.extend(points.place(corner.0).to_le_bytes());
         }
     })?;
     for quantity in annotation.selection.for_tables() {
         let name = quantity.token();
         match quantity {
-            Quantity::Face => archive.array(name, "<u4", &[faces], faces, |f, bytes| bytes.extend(f.to_le_bytes()))?,
+            Quantity::Face => archive.array(name, "<u4", &[faces], faces, |f, bytes| {
+                bytes.extend(written.at(f).to_le_bytes());
+            })?,
             Quantity::Class => archive.array(name, "|i1", &[faces], faces, |f, bytes| {
-                bytes.extend(annotation.values[f as usize].class.code().to_le_bytes());
+                bytes.extend(annotation.values[written.at(f) as usize].class.code().to_le_bytes());
             })?,
             _ => {
                 let components = quantity.columns().len();
                 let shape: &[usize] = if components == 1 { &[faces] } else { &[faces, components] };
                 archive.array(name, "<f4", shape, faces, |f, bytes| {
                     for component in 0..components {
-                        let value = quantity.value(Face(f), &annotation.values[f as usize], component);
+                        let face = Face(written.at(f));
+                        let value = quantity.value(face, &annotation.values[face.index()], component);
                         bytes.extend(value.to_le_bytes());
                     }
                 })?;
@@ -47,7 +51,7 @@ pub(super) fn write(annotation: &Annotation<'_>, out: &mut dyn Write, progress: 
     }
     for (quantity, values) in annotation.vertex_columns() {
         archive.array(&format!("vertex_{}", quantity.token()), "<f4", &[vertices], vertices, |v, bytes| {
-            bytes.extend(values[v as usize].to_le_bytes());
+            bytes.extend(values[points.at(v) as usize].to_le_bytes());
         })?;
     }
     // NumPy's text is UTF-32.

@@ -73,6 +73,14 @@ impl Output {
         Error::io(&self.path, "write", source)
     }
 
+    /// Writes what is still buffered, so that [`Output::finish`] has only to put the file in its place.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn settle(&mut self) -> Result<(), Error> {
+        self.flush().map_err(|e| self.error(e))
+    }
+
     /// Writes what is still buffered and puts the file in its place.
     ///
     /// # Errors

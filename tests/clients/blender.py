@@ -6,7 +6,7 @@ import os
 
 import bpy
 
-from results import COLUMNS, colors_of, columns, equal, manifest, say
+from results import COLUMNS, colors_of, columns, equal, manifest, refused, say
 
 CLIENT = f"Blender {bpy.app.version_string.split()[0]}"
 FOLDER, FILES = manifest()
@@ -164,4 +164,4 @@ for file in FILES:
         if file["scene"]:
             check_scene(file)
     except Exception as error:  # the importer's and ours alike
-        say(CLIENT, file["file"], "values", "wrong", f"{type(error).__name__}: {error}")
+        refused(CLIENT, file) or say(CLIENT, file["file"], "values", "wrong", f"{type(error).__name__}: {error}")

@@ -9,11 +9,13 @@ folder, table = Path(sys.argv[1]), Path(sys.argv[2])
 ways = {file["file"]: file["way"] for file in json.loads((folder / "manifest.json").read_text())}
 WAYS = {
     "glb": "`.glb`", "gltf": "`.gltf`", "variants.glb": "`.glb --variants` (five)", "vertex.glb": "`.glb --color vertex`",
-    "srgb.glb": "`.glb --color vertex-srgb`", "indexed.glb": "`.glb --layout indexed`", "ply": "`.ply`",
+    "srgb.glb": "`.glb --color vertex-srgb`", "indexed.glb": "`.glb --layout indexed`",
+    "metadata.glb": "`.glb --metadata`", "meshopt.glb": "`.glb --compress meshopt`", "ply": "`.ply`",
 }
 CHECKS = {
     "order of faces": "Order of faces", "faces": "Number of faces",
-    "values": "Values of every face, as the CSV has them", "colours": "Colours of every face",
+    "values": "Values of every face, as the CSV has them", "faces under the mouse": "Values of the faces under the mouse",
+    "colours": "Colours of every face",
     "colours, switched": "Five variants, switched one after the other",
     "shape at five times": "Shape of skinned, morphed and moving scenes at five times, within 1e-6",
     "cameras, lights, bones, actions": "Cameras, lights, bones, actions and names of a scene",
@@ -51,7 +53,7 @@ def cell(answers):
 lines = ["# Which client takes what", "",
          "Made by `tests/clients/run.sh` from what the clients themselves showed; not typed. Six fixtures (STL, OBJ and",
          "glTF scenes) in every way there is; `yes`: right for all of them, `no`: not taken over, empty: does not apply.",
-         "Values are compared as 32-bit floats, exactly; colours exactly, but vertex colours in linear light within 8 of 255."]
+         "Values are compared as 32-bit floats, exactly, but those of `--compress meshopt` to 16 bits; colours exactly, but vertex colours in linear light within 8 of 255."]
 for check, title in CHECKS.items():
     rows = [way for way in WAYS if any((check, way, client) in cells for client in clients)]
     columns = [client for client in clients if any((check, way, client) in cells for way in rows)]

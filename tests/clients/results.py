@@ -34,6 +34,14 @@ def columns(path):
     return {name: [float(row[name] or 0) for row in rows] for name in rows[0] if name != "method"}
 
 
+def refused(client, file):
+    """True for a compressed file, which a client cannot read; says so."""
+    if file["way"] != "meshopt.glb":
+        return False
+    say(client, file["file"], "values", "absent", "does not know EXT_meshopt_compression")
+    return True
+
+
 def equal(a, b):
     """True when numbers agree as 32-bit floats."""
     import struct

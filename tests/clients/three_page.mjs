@@ -1,6 +1,7 @@
 // In the browser: loads a file, gives its values by face, renders its looks without light.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 
 const SIZE = 512;
 const canvas = document.getElementById("c");
@@ -17,7 +18,7 @@ function meshes() {
 
 // One value per face of each attribute, in the order of face numbers; NaN where corners differ.
 window.load = async (name) => {
-  gltf = await new GLTFLoader().loadAsync(`/${name}`);
+  gltf = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync(`/${name}`);
   gltf.scene.updateMatrixWorld(true);
   const values = {};
   for (const mesh of meshes()) {

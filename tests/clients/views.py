@@ -4,7 +4,7 @@ import pyvista
 import trimesh
 from PIL import Image
 
-from results import COLUMNS, colors_of, columns, manifest, say
+from results import COLUMNS, colors_of, columns, manifest, refused, say
 
 TRIMESH, PYVISTA = f"trimesh {trimesh.__version__}", f"PyVista {pyvista.__version__}"
 FOLDER, FILES = manifest()
@@ -103,4 +103,4 @@ for file in FILES:
         try:
             test(file)
         except Exception as error:
-            say(client, file["file"], "values", "wrong", f"{type(error).__name__}: {error}")
+            refused(client, file) or say(client, file["file"], "values", "wrong", f"{type(error).__name__}: {error}")

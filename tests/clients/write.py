@@ -34,7 +34,9 @@ for name in INPUTS:
     ways = [("glb", "texture", "faces", ["mean"], []),
             ("gltf", "texture", "faces", ["k_max"], ["--color-by", "k_max"]),
             ("variants.glb", "texture", "faces", VARIANTS, ["--variants", ",".join(VARIANTS)]),
-            ("indexed.glb", "none", "indexed", [], ["--layout", "indexed"])]
+            ("indexed.glb", "none", "indexed", [], ["--layout", "indexed"]),
+            ("metadata.glb", "texture", "faces", ["mean"], ["--metadata"]),
+            ("meshopt.glb", "texture", "faces", ["mean"], ["--compress", "meshopt"])]
     if not is_scene:
         ways.append(("vertex.glb", "vertex", "faces", ["mean"], ["--color", "vertex"]))
         ways.append(("srgb.glb", "vertex-srgb", "faces", ["mean"], ["--color", "vertex-srgb"]))

@@ -1,22 +1,24 @@
 //! The document of an output: that of the input where it is glTF, or a new one, with curvature added.
 
 use super::accessor::Accessors;
+use super::cull::cull;
 use super::draft::{Draft, Piece};
+use super::fresh::fresh;
 use super::indexed;
-use super::layout::{Stream, stored_bounds};
+use super::layout::Stream;
 use super::looks::{Axis, Looks, Slot, slots};
+use super::metadata;
 use super::opened::Opened;
 use super::pool::{self, Done, Pool, Sharing};
 use super::references::{Kind, Object};
 use super::strip::{FACE_VALUES, MARK, Primary, VARIANTS};
-use super::vertices::{Owners, Vertices};
+use super::vertices::Owners;
 use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::Error;
+use crate::numbers::Numbers;
 use crate::quantity::Quantity;
-use crate::soup::{Note, Transform};
+use crate::soup::{Note, PrimitiveFaces};
 use serde_json::{Value, json};
-use std::ops::Range;
-use std::sync::Arc;
 
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 pub(super) const FLOAT: u32 = 5126;
@@ -29,14 +31,16 @@ pub(super) struct Document<'a> {
 }
 
 /// Primitives that share their vertices and get values.
-struct Target {
-    mesh: usize,
-    primitives: Vec<usize>,
-    owners: Owners,
+pub(super) struct Target {
+    pub(super) mesh: usize,
+    pub(super) primitives: Vec<usize>,
+    pub(super) owners: Owners,
+    /// How many faces each primitive has.
+    pub(super) faces: Vec<usize>,
     /// Attributes of others, which ours do not replace.
-    foreign: Vec<String>,
+    pub(super) foreign: Vec<String>,
     /// In layout `indexed`: faces of each primitive and their corners.
-    corners: Vec<(Range<u32>, Vec<[u32; 3]>)>,
+    pub(super) corners: Vec<(Numbers, Vec<[u32; 3]>)>,
 }
 
 /// Builds the document of an annotation. `images` gives the URI of an image in a file of its own, by its
@@ -51,9 +55,14 @@ pub(super) fn build<'a>(
     images: &dyn Fn(usize) -> Option<String>,
 ) -> Result<Document<'a>, Error> {
     let mut looks = Looks::new(annotation);
+    let mut empty = Vec::new();
     let (mut draft, targets, primary) = match original {
         Some((opened, accessors)) => {
-            let (mut draft, primary, pools) = prepare(opened, accessors, annotation.force, &mut Vec::new())?;
+            let faces = annotation.faces();
+            let (kept, lost): (Vec<_>, Vec<_>) =
+                opened.primitives.iter().cloned().partition(|place| faces.within(&place.faces).len() > 0);
+            empty.extend(lost.into_iter().map(|place| (place.mesh, place.primitive)));
+            let (mut draft, primary, pools) = prepare(opened, accessors, &kept, annotation.force, &mut Vec::new())?;
             if !keep_image_files {
                 carry_images(&mut draft, opened);
             }
@@ -61,7 +70,7 @@ pub(super) fn build<'a>(
             (draft, targets, Some(primary))
         }
         None => {
-            let (draft, targets) = plain(annotation);
+            let (draft, targets) = fresh(annotation);
             (draft, targets, None)
         }
     };
@@ -69,7 +78,7 @@ pub(super) fn build<'a>(
     for target in &targets {
         if annotation.layout == Layout::Indexed {
             for (&p, (faces, corners)) in target.primitives.iter().zip(&target.corners) {
-                let extension = indexed::face_values(annotation, &mut draft, &quantities, faces.clone(), corners);
+                let extension = indexed::face_values(annotation, &mut draft, &quantities, faces, corners);
                 add_extension(&mut draft, target.mesh, p, FACE_VALUES, extension);
             }
         } else {
@@ -83,7 +92,11 @@ pub(super) fn build<'a>(
         }
         add_look(annotation, &mut draft, &mut looks, target, primary.as_ref());
     }
+    if annotation.metadata {
+        metadata::add(annotation, &mut draft, &targets, &quantities);
+    }
     mark(annotation, &mut draft, &targets);
+    cull(&mut draft, &empty);
     looks.finish(&mut draft, images);
     Ok(Document { draft, looks })
 }
@@ -92,13 +105,39 @@ pub(super) fn build<'a>(
 pub(super) fn prepare<'a>(
     opened: &Opened<'_>,
     accessors: &Accessors<'_>,
+    primitives: &[PrimitiveFaces],
     force: bool,
     notes: &mut Vec<Note>,
 ) -> Result<(Draft<'a>, Primary, Vec<Pool>), Error> {
     let mut draft = Draft::new(opened.root().map_err(|e| opened.error(e))?);
+    correct_bounds(&mut draft, accessors, notes).map_err(|e| opened.error(e))?;
     let primary = super::strip::strip(&mut draft);
-    let pools = pool::collect(&mut draft, opened.primitives, accessors, force, notes).map_err(|e| opened.error(e))?;
+    let pools = pool::collect(&mut draft, primitives, accessors, force, notes).map_err(|e| opened.error(e))?;
     Ok((draft, primary, pools))
+}
+
+/// States the bounds of what compressed views decode to, where a packer stated others.
+fn correct_bounds(
+    draft: &mut Draft<'_>,
+    accessors: &Accessors<'_>,
+    notes: &mut Vec<Note>,
+) -> Result<(), crate::ParseError> {
+    let corrected = accessors.corrected_bounds()?;
+    if let Some(first) = corrected.first() {
+        notes.push(Note::info(format!(
+            "min and max of {} compressed accessors, accessors[{}] first, were not those of their data and were corrected",
+            corrected.len(),
+            first.accessor
+        )));
+    }
+    for corrected in corrected {
+        let accessor = draft.list("accessors").get_mut(corrected.accessor).and_then(Value::as_object_mut);
+        if let Some(accessor) = accessor {
+            accessor.insert("min".into(), corrected.min);
+            accessor.insert("max".into(), corrected.max);
+        }
+    }
+    Ok(())
 }
 
 /// Puts images that lie in files of their own into the buffer. One that cannot be read stays where
@@ -133,22 +172,25 @@ fn split<'a>(
     pools: Vec<Pool>,
 ) -> Result<Vec<Target>, Error> {
     let quantities = annotation.gltf_quantities();
-    let numbered = quantities.contains(&Quantity::Face);
+    let numbered = annotation.metadata || quantities.contains(&Quantity::Face);
     let same = |a: crate::Face, b: crate::Face| same_values(annotation, &quantities, a, b);
     let same: Option<&dyn Fn(crate::Face, crate::Face) -> bool> = if numbered { None } else { Some(&same) };
     let sharing = match annotation.layout {
         Layout::Faces => Sharing::Split(same),
         Layout::Indexed => Sharing::Keep,
     };
-    let split = pool::split(draft, accessors, &opened.document.meshes, pools, &sharing).map_err(|e| opened.error(e))?;
+    let meshes = &opened.document.meshes;
+    let split =
+        pool::split(draft, accessors, meshes, pools, &annotation.faces(), &sharing).map_err(|e| opened.error(e))?;
     Ok(split
         .into_iter()
-        .map(|Done { pool, vertices, corners }| Target {
+        .map(|Done { pool, vertices, counts, corners }| Target {
             mesh: pool.mesh,
+            faces: counts,
             primitives: pool.primitives.iter().map(|p| p.primitive).collect(),
             owners: Owners::Vertices(vertices),
             foreign: pool.foreign,
-            corners: pool.primitives.iter().map(|p| p.faces.clone()).zip(corners).collect(),
+            corners,
         })
         .collect())
 }
@@ -163,94 +205,6 @@ fn same_values(annotation: &Annotation<'_>, quantities: &[Quantity], a: crate::F
         && annotation.colors.iter().all(|colors| {
             colors.color_index(&annotation.values[a.index()]) == colors.color_index(&annotation.values[b.index()])
         })
-}
-
-/// A document for a mesh that comes from no glTF file.
-fn plain<'a>(annotation: &Annotation<'_>) -> (Draft<'a>, Vec<Target>) {
-    let mut root = Object::new();
-    let generator = format!("osculate {}", env!("CARGO_PKG_VERSION"));
-    root.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
-    let mut draft = Draft::new(root);
-    let mut targets = Vec::new();
-    for (m, body) in annotation.mesh.bodies().iter().enumerate() {
-        let faces = body.faces.clone();
-        let mut corners = Vec::new();
-        let mut owners = Owners::Corners(faces.clone());
-        let primitive = match annotation.layout {
-            Layout::Faces => {
-                json!({ "attributes": { "POSITION": add_corners(annotation, &mut draft, faces.clone()) } })
-            }
-            Layout::Indexed => {
-                let (primitive, of_faces) = indexed::shared_vertices(annotation, &mut draft, faces.clone());
-                let count = of_faces.as_flattened().iter().max().map_or(0, |last| last + 1);
-                owners = Owners::Vertices(Arc::new(Vertices::kept(count, [(faces.start, of_faces.as_slice())])));
-                corners.push((faces.clone(), of_faces));
-                primitive
-            }
-        };
-        let mut mesh = json!({ "primitives": [primitive] });
-        let name = if body.name.is_empty() { &annotation.name } else { &body.name };
-        if !name.is_empty() {
-            mesh["name"] = name.as_str().into();
-        }
-        draft.list("meshes").push(mesh);
-        targets.push(Target { mesh: m, primitives: vec![0], owners, foreign: Vec::new(), corners });
-    }
-    let (nodes, roots) = nodes(annotation);
-    draft.root.insert("nodes".into(), nodes);
-    draft.root.insert("scenes".into(), json!([{ "nodes": roots }]));
-    draft.root.insert("scene".into(), 0.into());
-    (draft, targets)
-}
-
-/// Positions of the corners of faces.
-fn add_corners(annotation: &Annotation<'_>, draft: &mut Draft<'_>, faces: Range<u32>) -> usize {
-    let [min, max] = stored_bounds(annotation, faces.clone());
-    let count = 3 * faces.len();
-    let view = draft.add_view(Piece::Stream(Stream::Corners { faces }), Some(ARRAY_BUFFER), None);
-    let accessor =
-        json!({ "bufferView": view, "componentType": FLOAT, "count": count, "type": "VEC3", "min": min, "max": max });
-    draft.add(Kind::Accessor, accessor)
-}
-
-/// The placement of the bodies, or one node at the mesh's origin; and the roots.
-fn nodes(annotation: &Annotation<'_>) -> (Value, Value) {
-    let name = |name: &str, node: &mut Value| {
-        if !name.is_empty() {
-            node["name"] = name.into();
-        }
-    };
-    let Some(scene) = annotation.mesh.scene() else {
-        let origin = annotation.node_translation().as_vec3().to_array();
-        let mut node = json!({ "mesh": 0 });
-        name(&annotation.name, &mut node);
-        if origin != [0.0; 3] {
-            node["translation"] = json!(origin);
-        }
-        return (json!([node]), json!([0]));
-    };
-    let nodes: Vec<Value> = (scene.nodes.iter())
-        .map(|given| {
-            let mut node = json!({});
-            name(&given.name, &mut node);
-            if let Some(body) = given.body {
-                node["mesh"] = body.into();
-            }
-            if !given.children.is_empty() {
-                node["children"] = json!(given.children);
-            }
-            match &given.transform {
-                Transform::Matrix(matrix) => node["matrix"] = json!(matrix),
-                Transform::Parts { translation, rotation, scale } => {
-                    let parts =
-                        [("translation", json!(translation)), ("rotation", json!(rotation)), ("scale", json!(scale))];
-                    parts.into_iter().filter(|(_, part)| !part.is_null()).for_each(|(key, part)| node[key] = part);
-                }
-            }
-            node
-        })
-        .collect();
-    (json!(nodes), json!(scene.roots))
 }
 
 /// Writes settings, units and legends into the extras of every mesh with values: by them the mesh is
@@ -368,7 +322,7 @@ fn sets_of(draft: &mut Draft<'_>, target: &Target) -> usize {
     (0..).find(|set| attributes.is_none_or(|a| !a.contains_key(&format!("TEXCOORD_{set}")))).unwrap_or(0)
 }
 
-fn primitive<'d>(draft: &'d mut Draft<'_>, mesh: usize, primitive: usize) -> Option<&'d mut Object> {
+pub(super) fn primitive<'d>(draft: &'d mut Draft<'_>, mesh: usize, primitive: usize) -> Option<&'d mut Object> {
     draft.list("meshes").get_mut(mesh)?.get_mut("primitives")?.get_mut(primitive)?.as_object_mut()
 }
 

@@ -8,39 +8,37 @@ use super::references::Kind;
 use super::vertices::Owners;
 use crate::annotation::Annotation;
 use crate::mesh::{EdgeKind, Face};
+use crate::numbers::Numbers;
 use crate::quantity::Quantity;
 use serde_json::{Value, json};
-use std::ops::Range;
 
 const UNSIGNED_INT: u32 = 5125;
 const UNSIGNED_SHORT: u32 = 5123;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
 /// The largest vertex number in 16 bits; the one above restarts strips.
-const LARGEST_NARROW: u32 = u16::MAX as u32 - 1;
+const LARGEST_NARROW: usize = u16::MAX as usize - 1;
 
 /// Positions of the welded vertices of a body and the faces over them, as a primitive; and the corners
 /// of its faces.
 pub(super) fn shared_vertices(
     annotation: &Annotation<'_>,
     draft: &mut Draft<'_>,
-    faces: Range<u32>,
+    faces: &Numbers,
 ) -> (Value, Vec<[u32; 3]>) {
     let topology = annotation.mesh.topology();
-    let mut corners: Vec<[u32; 3]> = faces.map(|f| topology.corners(Face(f)).map(|v| v.0)).collect();
-    // Vertices are numbered by first use, so that those of a body stand together.
-    let used = corners.as_flattened();
-    let first = used.iter().copied().min().unwrap_or(0);
-    let end = used.iter().copied().max().map_or(0, |last| last + 1);
-    corners.as_flattened_mut().iter_mut().for_each(|corner| *corner -= first);
+    let mut corners: Vec<[u32; 3]> = faces.iter().map(|f| topology.corners(Face(f)).map(|v| v.0)).collect();
+    let vertices = annotation.vertices_of(faces);
+    corners.as_flattened_mut().iter_mut().for_each(|corner| *corner = vertices.place(*corner));
 
-    let [min, max] = stored_points_bounds(annotation, first..end);
-    let view = draft.add_view(Piece::Stream(Stream::Positions { vertices: first..end }), Some(ARRAY_BUFFER), None);
+    let [min, max] = stored_points_bounds(annotation, &vertices);
+    let count = vertices.len();
+    let view = draft.add_view(Piece::Stream(Stream::Positions { vertices }), Some(ARRAY_BUFFER), None);
     let positions = json!({
-        "bufferView": view, "componentType": FLOAT, "count": end - first, "type": "VEC3", "min": min, "max": max
+        "bufferView": view, "componentType": FLOAT, "count": count, "type": "VEC3", "min": min, "max": max
     });
     let positions = draft.add(Kind::Accessor, positions);
-    let wide = end - first > LARGEST_NARROW;
+    let wide = count > LARGEST_NARROW;
     let stream = Stream::Indices { corners: corners.clone(), wide };
     let view = draft.add_view(Piece::Stream(stream), Some(ELEMENT_ARRAY_BUFFER), None);
     let component = if wide { UNSIGNED_INT } else { UNSIGNED_SHORT };
@@ -57,7 +55,7 @@ pub(super) fn face_values<'a>(
     annotation: &Annotation<'_>,
     draft: &mut Draft<'a>,
     quantities: &[Quantity],
-    faces: Range<u32>,
+    faces: &Numbers,
     corners: &[[u32; 3]],
 ) -> Value {
     let mut values = json!({});
@@ -74,7 +72,7 @@ pub(super) fn face_values<'a>(
     let kinds =
         [("boundary", EdgeKind::Boundary), ("feature", EdgeKind::Feature), ("non_manifold", EdgeKind::NonManifold)];
     for (name, kind) in kinds {
-        let ends = edges_of_kind(annotation, kind, faces.start, corners);
+        let ends = edges_of_kind(annotation, kind, faces, corners);
         if ends.is_empty() {
             continue;
         }
@@ -88,9 +86,9 @@ pub(super) fn face_values<'a>(
 }
 
 /// The ends of all edges of a kind, as vertices of the primitive, each pair once and in order.
-fn edges_of_kind(annotation: &Annotation<'_>, kind: EdgeKind, first: u32, corners: &[[u32; 3]]) -> Vec<[u32; 2]> {
+fn edges_of_kind(annotation: &Annotation<'_>, kind: EdgeKind, faces: &Numbers, corners: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut ends: Vec<[u32; 2]> = Vec::new();
-    for (face, triangle) in (first..).map(Face).zip(corners) {
+    for (face, triangle) in faces.iter().map(Face).zip(corners) {
         for (i, h) in face.half_edges().into_iter().enumerate() {
             let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
             if a != b && annotation.mesh.edge_kind(h) == kind {

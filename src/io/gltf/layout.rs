@@ -7,12 +7,12 @@ use crate::color::{NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
 use crate::error::Error;
 use crate::io::blocks::in_blocks;
 use crate::mesh::{Face, HalfEdge};
+use crate::numbers::Numbers;
 use crate::progress::Progress;
 use crate::quantity::Quantity;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::io::{self, Write};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// The most that the 32-bit length of a GLB can say.
@@ -21,15 +21,20 @@ const GLB_LIMIT: u64 = u32::MAX as u64;
 /// What one accessor holds.
 pub(super) enum Stream<'a> {
     /// Three positions for each face.
-    Corners { faces: Range<u32> },
+    Corners { faces: Numbers },
     /// The positions of welded vertices.
-    Positions { vertices: Range<u32> },
+    Positions { vertices: Numbers },
     /// A vertex attribute of the original, copies included.
     Copied { raw: Raw<'a>, stride: usize, vertices: Arc<Vertices> },
     /// Corners of faces as vertex numbers; `wide` takes 32 bits for each.
     Indices { corners: Vec<[u32; 3]>, wide: bool },
     /// A quantity.
     Value { owners: Owners, quantity: Quantity, component: usize },
+    /// The row of each vertex's face in a table of faces.
+    Row { owners: Owners, faces: Numbers },
+    /// A column of a table of faces, in the type that fits: 32-bit floats, face numbers in 32 bits, classes
+    /// in 8.
+    Column { faces: Numbers, quantity: Quantity },
     /// The value of the welded vertex at which each vertex is.
     VertexValue { owners: Owners, quantity: Quantity },
     /// Where in the palettes a face's colours are: of the colour scale `u` along the first axis, of `v`
@@ -42,15 +47,37 @@ pub(super) enum Stream<'a> {
 impl Stream<'_> {
     /// Number of bytes.
     pub(super) fn byte_length(&self) -> u64 {
+        let elements = match self {
+            Stream::Corners { faces } => 3 * faces.len(),
+            Stream::Positions { vertices } => vertices.len(),
+            Stream::Copied { vertices, .. } => vertices.len(),
+            Stream::Indices { corners, .. } => 3 * corners.len(),
+            Stream::Column { faces, .. } => faces.len(),
+            Stream::Value { owners, .. }
+            | Stream::Row { owners, .. }
+            | Stream::VertexValue { owners, .. }
+            | Stream::PaletteCoordinate { owners, .. }
+            | Stream::VertexColor { owners } => owners.len(),
+        };
+        self.stride() as u64 * elements as u64
+    }
+
+    /// Bytes of an element.
+    pub(super) fn stride(&self) -> usize {
         match self {
-            Stream::Corners { faces } => 36 * faces.len() as u64,
-            Stream::Positions { vertices } => 12 * vertices.len() as u64,
-            Stream::Copied { stride, vertices, .. } => *stride as u64 * vertices.len() as u64,
-            Stream::Indices { corners, wide } => 3 * corners.len() as u64 * if *wide { 4 } else { 2 },
-            Stream::PaletteCoordinate { owners, .. } => 8 * owners.len() as u64,
-            Stream::Value { owners, .. } | Stream::VertexValue { owners, .. } | Stream::VertexColor { owners } => {
-                4 * owners.len() as u64
+            Stream::Corners { .. } | Stream::Positions { .. } => 12,
+            Stream::Copied { stride, .. } => *stride,
+            Stream::Indices { wide, .. } => {
+                if *wide {
+                    4
+                } else {
+                    2
+                }
             }
+            Stream::PaletteCoordinate { .. } => 8,
+            Stream::Column { quantity: Quantity::Class, .. } => 1,
+            Stream::Column { quantity, .. } => 4 * quantity.columns().len(),
+            Stream::Value { .. } | Stream::Row { .. } | Stream::VertexValue { .. } | Stream::VertexColor { .. } => 4,
         }
     }
 
@@ -66,7 +93,7 @@ impl Stream<'_> {
                 let remainder = annotation.translation_remainder();
                 in_blocks(faces.len(), out, progress, |block, bytes| {
                     for f in block {
-                        for p in annotation.finite_triangle(Face(faces.start + f)) {
+                        for p in annotation.finite_triangle(Face(faces.at(f))) {
                             extend(bytes, stored_point(annotation, remainder, p));
                         }
                     }
@@ -74,9 +101,10 @@ impl Stream<'_> {
             }
             Stream::Positions { vertices } => {
                 let remainder = annotation.translation_remainder();
-                let positions = &annotation.mesh.positions()[vertices.start as usize..vertices.end as usize];
-                in_blocks(positions.len(), out, progress, |block, bytes| {
-                    for &p in &positions[block.start as usize..block.end as usize] {
+                let positions = annotation.mesh.positions();
+                in_blocks(vertices.len(), out, progress, |block, bytes| {
+                    for v in block {
+                        let p = positions[vertices.at(v) as usize];
                         extend(bytes, stored_point(annotation, remainder, finite(p)));
                     }
                 })
@@ -99,6 +127,25 @@ impl Stream<'_> {
             Stream::Value { owners, quantity, component } => {
                 let stored = stored_value(annotation, *quantity, *component);
                 per_element(owners, out, progress, |face| stored(face).to_le_bytes())
+            }
+            Stream::Row { owners, faces } => per_element(owners, out, progress, |face| {
+                let row = face.map_or(0, |face| faces.place(face.0));
+                (row as f32).to_le_bytes()
+            }),
+            Stream::Column { faces, quantity } => {
+                let stored: Vec<_> =
+                    (0..quantity.columns().len()).map(|c| stored_value(annotation, *quantity, c)).collect();
+                in_blocks(faces.len(), out, progress, |block, bytes| {
+                    for face in block.map(|f| Face(faces.at(f))) {
+                        match quantity {
+                            Quantity::Face => bytes.extend(face.0.to_le_bytes()),
+                            Quantity::Class => {
+                                bytes.extend(annotation.values[face.index()].class.code().to_le_bytes());
+                            }
+                            _ => stored.iter().for_each(|stored| bytes.extend(stored(Some(face)).to_le_bytes())),
+                        }
+                    }
+                })
             }
             Stream::VertexValue { owners, quantity } => {
                 let values = annotation.vertex_values.as_ref().and_then(|values| values.get(*quantity));
@@ -178,12 +225,12 @@ fn per_element<const N: usize>(
     match owners {
         Owners::Corners(faces) => in_blocks(faces.len(), out, progress, |block, bytes| {
             for f in block {
-                bytes.extend_from_slice([of(Some(Face(faces.start + f))); 3].as_flattened());
+                bytes.extend_from_slice([of(Some(Face(faces.at(f)))); 3].as_flattened());
             }
         }),
         Owners::Faces(faces) => in_blocks(faces.len(), out, progress, |block, bytes| {
             for f in block {
-                bytes.extend_from_slice(&of(Some(Face(faces.start + f))));
+                bytes.extend_from_slice(&of(Some(Face(faces.at(f)))));
             }
         }),
         Owners::Vertices(vertices) => in_blocks(vertices.len(), out, progress, |block, bytes| {
@@ -222,21 +269,22 @@ fn join([min, max]: Bounds, [low, high]: Bounds) -> Bounds {
 }
 
 /// Least and greatest coordinates of welded vertices as they are stored.
-pub(super) fn stored_points_bounds(annotation: &Annotation<'_>, vertices: Range<u32>) -> Bounds {
+pub(super) fn stored_points_bounds(annotation: &Annotation<'_>, vertices: &Numbers) -> Bounds {
     let remainder = annotation.translation_remainder();
-    annotation.mesh.positions()[vertices.start as usize..vertices.end as usize]
-        .par_iter()
-        .map(|&p| [stored_point(annotation, remainder, finite(p)); 2])
+    let positions = annotation.mesh.positions();
+    (0..vertices.len() as u32)
+        .into_par_iter()
+        .map(|v| [stored_point(annotation, remainder, finite(positions[vertices.at(v) as usize])); 2])
         .reduce(empty, join)
 }
 
 /// Least and greatest coordinates of the corners as they are stored.
-pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: Range<u32>) -> Bounds {
+pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: &Numbers) -> Bounds {
     let remainder = annotation.translation_remainder();
-    faces
+    (0..faces.len() as u32)
         .into_par_iter()
         .map(|f| {
-            let corners = annotation.finite_triangle(Face(f)).map(|p| stored_point(annotation, remainder, p));
+            let corners = annotation.finite_triangle(Face(faces.at(f))).map(|p| stored_point(annotation, remainder, p));
             corners.into_iter().fold(empty(), |bounds, c| join(bounds, [c, c]))
         })
         .reduce(empty, join)
@@ -259,7 +307,26 @@ pub(in crate::io) fn check_glb_length(length: u64) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::TooLarge(format!(
-        "the output would have {:.1} GB, but a .glb holds at most 4.3: write .gltf (several buffers) or .ply, use --layout indexed, or fewer quantities with --attributes",
+        "the output would have {:.1} GB, but a .glb holds at most 4.3: write .gltf (with its bytes in .bin files) or .ply, use --layout indexed, or fewer quantities with --attributes",
         length as f64 / 1e9
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::Selection;
+
+    #[test]
+    fn a_file_over_the_limit_is_refused_with_the_ways_out() {
+        assert!(check_glb_length(GLB_LIMIT).is_ok());
+        let error = check_glb_length(GLB_LIMIT + 1).expect_err("too long").to_string();
+        assert!([".gltf", ".bin", "--layout indexed", "4.3 GB"].iter().all(|way| error.contains(way)), "{error}");
+        // By the number of faces, before any work.
+        let check = |faces, layout| {
+            crate::io::check_size(crate::io::OutputFormat::Glb, layout, faces, &Selection::default(), 8)
+        };
+        assert!(check(20_000_000, Layout::Faces).is_ok() && check(40_000_000, Layout::Indexed).is_ok());
+        assert!(matches!(check(30_000_000, Layout::Faces), Err(Error::TooLarge(_))));
+    }
 }

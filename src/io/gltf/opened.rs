@@ -1,11 +1,12 @@
 //! An original document opened again, so that an output can carry over what is not geometry.
 
 use super::accessor::Accessors;
-use super::buffers::{Buffers, Source, has_scheme, load};
+use super::buffers::{Buffers, Source};
 use super::container;
 use super::read::{Document, parse, requires_meshopt};
 use super::references::Object;
 use super::strip::VARIANTS;
+use super::uri::{has_scheme, load};
 use crate::error::{Error, ParseError};
 use crate::io::folders::Folders;
 use crate::io::real_path;

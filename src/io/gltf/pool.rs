@@ -10,6 +10,7 @@ use super::strip::{our_attributes, take_extension};
 use super::vertices::Vertices;
 use crate::error::ParseError;
 use crate::mesh::Face;
+use crate::numbers::Numbers;
 use crate::soup::{Note, PrimitiveFaces};
 use gltf_json as json;
 use json::mesh::Mode;
@@ -114,16 +115,20 @@ pub(super) enum Sharing<'s> {
 pub(super) struct Done {
     pub(super) pool: Pool,
     pub(super) vertices: Arc<Vertices>,
-    /// The vertices of the faces of each primitive, where they were kept.
-    pub(super) corners: Vec<Vec<[u32; 3]>>,
+    /// How many faces each primitive has.
+    pub(super) counts: Vec<usize>,
+    /// The faces of each primitive and their vertices, where those were kept.
+    pub(super) corners: Vec<(Numbers, Vec<[u32; 3]>)>,
 }
 
-/// Splits the vertices of every pool and replaces attributes and indices where that made copies.
+/// Splits the vertices of every pool and replaces attributes and indices where that made copies. Only
+/// `faces` stay.
 pub(super) fn split<'a>(
     draft: &mut Draft<'a>,
     accessors: &'a Accessors<'_>,
     meshes: &[json::Mesh],
     pools: Vec<Pool>,
+    faces: &Numbers,
     sharing: &Sharing<'_>,
 ) -> Result<Vec<Done>, ParseError> {
     let mut done = Vec::with_capacity(pools.len());
@@ -135,13 +140,18 @@ pub(super) fn split<'a>(
             let path = format!("meshes[{}].primitives[{}]", place.mesh, place.primitive);
             let primitive = meshes.get(place.mesh).and_then(|mesh| mesh.primitives.get(place.primitive));
             let primitive = primitive.ok_or_else(|| ParseError::json(&path, "is not there any more"))?;
-            let triangles = corners_of(accessors, primitive, &path, pool.given)?;
+            let mut triangles = corners_of(accessors, primitive, &path, pool.given)?;
             if triangles.len() != place.faces.len() {
                 return Err(ParseError::json(path, "has other faces than were read"));
             }
             fits &= !has_wild_corners(accessors, primitive, &path, triangles.len())?;
             fits &= !matches!(sharing, Sharing::Keep) || primitive.mode == Checked::Valid(Mode::Triangles);
-            corners.push((place.faces.start, triangles));
+            let kept = faces.within(&place.faces);
+            if kept.len() < triangles.len() {
+                triangles = kept.iter().map(|f| triangles[(f - place.faces.start) as usize]).collect();
+                fits = false;
+            }
+            corners.push((kept, triangles));
         }
         let most = corners.iter().map(|(_, c)| 3 * c.len() as u64).sum::<u64>() + u64::from(pool.given);
         if most >= u64::from(u32::MAX) {
@@ -150,14 +160,14 @@ pub(super) fn split<'a>(
         }
         let vertices = Arc::new(match sharing {
             Sharing::Split(same) => Vertices::split(pool.given, &mut corners, *same),
-            Sharing::Keep => Vertices::kept(pool.given, corners.iter().map(|(first, c)| (*first, c.as_slice()))),
+            Sharing::Keep => Vertices::kept(pool.given, corners.iter().map(|(faces, c)| (faces, c.as_slice()))),
         });
-        let corners: Vec<Vec<[u32; 3]>> = corners.into_iter().map(|(_, c)| c).collect();
+        let counts = corners.iter().map(|(faces, _)| faces.len()).collect();
         let kept = if matches!(sharing, Sharing::Keep) { corners.clone() } else { Vec::new() };
         if !vertices.is_unchanged() || !fits {
-            changed.push(Change { pool: done.len(), corners });
+            changed.push(Change { pool: done.len(), corners: corners.into_iter().map(|(_, c)| c).collect() });
         }
-        done.push(Done { pool, vertices, corners: kept });
+        done.push(Done { pool, vertices, counts, corners: kept });
     }
     replace(draft, accessors, &done, changed)?;
     Ok(done)

@@ -1,11 +1,12 @@
 //! A glTF document as a soup: meshes become bodies, primitives groups, nodes the scene.
 
 use super::accessor::Accessors;
-use super::buffers::{Buffers, Source, has_scheme};
+use super::buffers::{Buffers, Source};
 use super::container;
 use super::geometry::{DRACO, Geometry, Material, draco_error, surface_mode};
 use super::meshopt::NAMES as MESHOPT;
 use super::scene::{SceneRoots, read_scene};
+use super::uri::has_scheme;
 use crate::error::ParseError;
 use crate::io::folders::Folders;
 use crate::soup::{Note, Positions, Soup};

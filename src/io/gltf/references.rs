@@ -3,6 +3,7 @@
 //! Extensions that are not known here keep the numbers they have: parts of a document are only
 //! renumbered where something that Osculate added earlier is taken out of their middle.
 
+use super::strip::FACE_VALUES;
 use serde_json::{Map, Value};
 
 /// A JSON object.
@@ -44,6 +45,9 @@ pub(super) fn visit(root: &mut Object, kind: Kind, found: &mut dyn FnMut(&mut Va
                 primitive.get_mut("attributes").into_iter().flat_map(values).for_each(&mut *found);
                 primitive.get_mut("indices").into_iter().for_each(&mut *found);
                 primitive.get_mut("targets").into_iter().flat_map(values).flat_map(values).for_each(&mut *found);
+                let ours = primitive.get_mut("extensions").and_then(|e| e.get_mut(FACE_VALUES));
+                let of_faces = ours.into_iter().flat_map(values).flat_map(values);
+                of_faces.filter_map(|member| member.get_mut("accessor")).for_each(&mut *found);
             });
             each(root, &["skins"], "inverseBindMatrices", found);
             let samplers = root.get_mut("animations").into_iter().flat_map(values);

@@ -57,6 +57,7 @@ pub(super) fn strip(draft: &mut Draft<'_>) -> Primary {
         unmark(mesh);
     }
     remove_name(root, FACE_VALUES);
+    super::metadata::strip(draft);
     for kind in [Kind::Material, Kind::Texture, Kind::Image, Kind::Sampler] {
         let ours: Vec<usize> =
             members(&mut draft.root, kind.list()).enumerate().filter(|(_, v)| is_marked(v)).map(|(i, _)| i).collect();

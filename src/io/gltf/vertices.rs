@@ -1,7 +1,7 @@
 //! Vertices of primitives, split only where faces with different values meet.
 
 use crate::mesh::{Face, HalfEdge};
-use std::ops::Range;
+use crate::numbers::Numbers;
 use std::sync::Arc;
 
 /// Marks a vertex that no face uses.
@@ -25,11 +25,11 @@ pub(super) struct Vertices {
 impl Vertices {
     /// Gives every face vertices that no face with other values uses, and renumbers the corners.
     ///
-    /// `primitives` has the first face of each primitive and the corners of its faces, all below
+    /// `primitives` has the faces of each primitive and their corners, all below
     /// `given`. `same` tells whether two faces have the same values; `None`: no two have.
     pub(super) fn split(
         given: u32,
-        primitives: &mut [(u32, Vec<[u32; 3]>)],
+        primitives: &mut [(Numbers, Vec<[u32; 3]>)],
         same: Option<&dyn Fn(Face, Face) -> bool>,
     ) -> Self {
         let mut owners = vec![NONE; given as usize];
@@ -40,8 +40,8 @@ impl Vertices {
         if same.is_some() {
             newest = (0..given).collect();
         }
-        for (first, corners) in primitives {
-            for (face, triangle) in (*first..).zip(corners) {
+        for (faces, corners) in primitives {
+            for (face, triangle) in faces.iter().zip(corners) {
                 for (i, corner) in triangle.iter_mut().enumerate() {
                     let vertex = *corner as usize;
                     let half_edge = 3 * face + i as u32;
@@ -83,12 +83,14 @@ impl Vertices {
     }
 
     /// Vertices that stay as they are.
-    pub(super) fn kept<'c>(given: u32, primitives: impl IntoIterator<Item = (u32, &'c [[u32; 3]])>) -> Self {
+    pub(super) fn kept<'c>(given: u32, primitives: impl IntoIterator<Item = (&'c Numbers, &'c [[u32; 3]])>) -> Self {
         let mut owners = vec![NONE; given as usize];
-        for (first, corners) in primitives {
-            for (half_edge, &corner) in (3 * first..).zip(corners.as_flattened()) {
-                if owners[corner as usize] == NONE {
-                    owners[corner as usize] = half_edge;
+        for (faces, corners) in primitives {
+            for (face, triangle) in faces.iter().zip(corners) {
+                for (half_edge, &corner) in (3 * face..).zip(triangle) {
+                    if owners[corner as usize] == NONE {
+                        owners[corner as usize] = half_edge;
+                    }
                 }
             }
         }
@@ -132,9 +134,9 @@ impl Vertices {
 #[derive(Clone)]
 pub(super) enum Owners {
     /// Three vertices of its own for each face.
-    Corners(Range<u32>),
+    Corners(Numbers),
     /// One element for each face.
-    Faces(Range<u32>),
+    Faces(Numbers),
     /// The vertices of an original.
     Vertices(Arc<Vertices>),
 }
@@ -152,7 +154,7 @@ impl Owners {
     /// A half-edge at whose origin a vertex is; none for an element of a face.
     pub(super) fn corner(&self, element: u32) -> Option<HalfEdge> {
         match self {
-            Owners::Corners(faces) => Some(HalfEdge(3 * faces.start + element)),
+            Owners::Corners(faces) => Some(HalfEdge(3 * faces.at(element / 3) + element % 3)),
             Owners::Faces(_) => None,
             Owners::Vertices(vertices) => vertices.corner(element),
         }
@@ -164,8 +166,8 @@ mod tests {
     use super::*;
 
     /// A fan of four faces around vertex 0, and a vertex that no face uses.
-    fn fan() -> [(u32, Vec<[u32; 3]>); 1] {
-        [(10, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])]
+    fn fan() -> [(Numbers, Vec<[u32; 3]>); 1] {
+        [(Numbers::Run(10..14), vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]])]
     }
 
     #[test]

@@ -27,11 +27,14 @@ const LARGEST_BUFFER: u64 = 1 << 31;
 ///
 /// # Errors
 /// [`Error::Parse`] with the place.
-pub(in crate::io) fn check_original(scene: &Scene, force: bool) -> Result<Vec<Note>, Error> {
+pub(in crate::io) fn check_original(scene: &Scene, force: bool, metadata: bool) -> Result<Vec<Note>, Error> {
     let mut notes = Vec::new();
     if let Some(opened) = Opened::new(scene)? {
         let accessors = opened.accessors();
-        prepare(&opened, &accessors, force, &mut notes)?;
+        let (draft, ..) = prepare(&opened, &accessors, opened.primitives, force, &mut notes)?;
+        if metadata {
+            super::metadata::check(&draft.root).map_err(|e| opened.error(e))?;
+        }
         for buffer in 0..opened.document.buffers.len() {
             accessors.buffers().whole(buffer).map_err(|e| opened.error(e))?;
         }
@@ -57,10 +60,14 @@ fn with_original<T>(
 }
 
 fn pack<'a>(
-    document: Document<'a>,
+    annotation: &Annotation<'_>,
+    mut document: Document<'a>,
     original: Option<(&'a Opened<'_>, &'a Accessors<'_>)>,
     limit: u64,
 ) -> Result<Packed<'a>, Error> {
+    if annotation.compress {
+        document.draft.compress(annotation).map_err(|e| Error::io(Path::new("memory"), "write", e))?;
+    }
     let packed = document.draft.pack(original.map(|(_, accessors)| accessors.buffers()), limit);
     packed.map_err(|e| match original {
         Some((opened, _)) => opened.error(e),
@@ -79,7 +86,7 @@ pub(in crate::io) fn write_glb(
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     with_original(annotation, |original| {
-        let packed = pack(build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
+        let packed = pack(annotation, build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
         let length = packed.byte_length(0);
         write_chunks(to_json(&packed.root), length, out, |out| packed.write(0, annotation, out, progress))
     })
@@ -150,7 +157,7 @@ pub(in crate::io) fn write_gltf(
             file.write_all(&document.looks.png(n)).map_err(|e| file.error(e))?;
             finished.push(file);
         }
-        let mut packed = pack(document, original, LARGEST_BUFFER)?;
+        let mut packed = pack(annotation, document, original, LARGEST_BUFFER)?;
         for n in 0..packed.buffers.len() {
             let mut buffer = Output::create(&path.with_file_name(External::Buffer(n).name(path)))?;
             packed.write(n, annotation, &mut buffer, progress).map_err(|e| buffer.error(e))?;
@@ -160,6 +167,8 @@ pub(in crate::io) fn write_gltf(
         let mut document = Output::create(path)?;
         document.write_all(&to_json(&packed.root)).map_err(|e| document.error(e))?;
         finished.push(document);
+        // What does not fit the disk is known before the first takes its place.
+        finished.iter_mut().try_for_each(Output::settle)?;
         finished.into_iter().try_for_each(Output::finish)
     })
 }
@@ -174,7 +183,7 @@ pub(in crate::io) fn write_embedded(
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     with_original(annotation, |original| {
-        let mut packed = pack(build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
+        let mut packed = pack(annotation, build(annotation, original, false, &|_| None)?, original, u64::MAX)?;
         for n in 0..packed.buffers.len() {
             let mut buffer = Vec::new();
             packed.write(n, annotation, &mut buffer, progress).map_err(|e| out.error(e))?;

@@ -18,9 +18,11 @@ pub(in crate::io) fn write(
     progress: &dyn Progress,
 ) -> io::Result<()> {
     let mesh = annotation.mesh;
-    // Each face is a row by its place: a column of face numbers would say nothing more.
+    // Each face is a row by its place: a column of face numbers says more only where some are left out.
+    let numbered = annotation.selected.is_some();
     let quantities: Vec<Quantity> =
-        annotation.selection.for_tables().into_iter().filter(|&q| q != Quantity::Face).collect();
+        annotation.selection.for_tables().into_iter().filter(|&q| numbered || q != Quantity::Face).collect();
+    let (faces, vertices) = (annotation.faces(), annotation.vertices());
     let origin = mesh.origin();
     let wide = origin != glam::DVec3::ZERO;
     let coordinate = if wide { "double" } else { "float" };
@@ -28,7 +30,7 @@ pub(in crate::io) fn write(
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     writeln!(out, "comment made by osculate {}", env!("CARGO_PKG_VERSION"))?;
     writeln!(out, "comment settings {}", annotation.provenance)?;
-    writeln!(out, "element vertex {}", mesh.positions().len())?;
+    writeln!(out, "element vertex {}", vertices.len())?;
     for axis in ["x", "y", "z"] {
         writeln!(out, "property {coordinate} {axis}")?;
     }
@@ -40,7 +42,7 @@ pub(in crate::io) fn write(
     for (quantity, _) in &of_vertices {
         writeln!(out, "property float {}", quantity.token())?;
     }
-    writeln!(out, "element face {}\nproperty list uchar int vertex_indices", mesh.face_count())?;
+    writeln!(out, "element face {}\nproperty list uchar int vertex_indices", faces.len())?;
     if !annotation.colors.is_empty() {
         writeln!(out, "property float quality")?;
         for channel in ["red", "green", "blue", "alpha"] {
@@ -48,13 +50,17 @@ pub(in crate::io) fn write(
         }
     }
     for column in quantities.iter().flat_map(|q| q.columns().iter().map(move |c| (q, c))) {
-        let kind = if *column.0 == Quantity::Class { "char" } else { "float" };
+        let kind = match column.0 {
+            Quantity::Class => "char",
+            Quantity::Face => "uint",
+            _ => "float",
+        };
         writeln!(out, "property {kind} {}", column.1)?;
     }
     writeln!(out, "end_header")?;
 
-    in_blocks(mesh.positions().len(), out, progress, |vertices, bytes| {
-        for v in vertices.start as usize..vertices.end as usize {
+    in_blocks(vertices.len(), out, progress, |rows, bytes| {
+        for v in rows.map(|row| vertices.at(row) as usize) {
             for c in (mesh.positions()[v] + origin).to_array() {
                 if wide {
                     bytes.extend(c.to_le_bytes());
@@ -68,12 +74,12 @@ pub(in crate::io) fn write(
         }
     })?;
     let palette = annotation.colors.first().map(|colors| (colors, colors.map.palette()));
-    in_blocks(mesh.face_count(), out, progress, |faces, bytes| {
-        for f in faces.map(Face) {
+    in_blocks(faces.len(), out, progress, |rows, bytes| {
+        for f in rows.map(|row| Face(faces.at(row))) {
             let value = &annotation.values[f.index()];
             bytes.push(3);
             for vertex in mesh.topology().corners(f) {
-                bytes.extend(vertex.0.to_le_bytes());
+                bytes.extend(vertices.place(vertex.0).to_le_bytes());
             }
             if let Some((colors, palette)) = &palette {
                 bytes.extend(colors.quantity.stored(f, value, 0, 1.0).to_le_bytes());
@@ -82,10 +88,10 @@ pub(in crate::io) fn write(
             }
             for &quantity in &quantities {
                 for component in 0..quantity.columns().len() {
-                    if quantity == Quantity::Class {
-                        bytes.extend(value.class.code().to_le_bytes());
-                    } else {
-                        bytes.extend(quantity.stored(f, value, component, 1.0).to_le_bytes());
+                    match quantity {
+                        Quantity::Class => bytes.extend(value.class.code().to_le_bytes()),
+                        Quantity::Face => bytes.extend(f.0.to_le_bytes()),
+                        _ => bytes.extend(quantity.stored(f, value, component, 1.0).to_le_bytes()),
                     }
                 }
             }

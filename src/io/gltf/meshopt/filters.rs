@@ -36,13 +36,16 @@ fn each_of_halves(bytes: &mut [u8], undo: impl Fn([i32; 4]) -> [i32; 4]) {
     }
 }
 
-/// Each 32-bit word has an exponent in its highest byte and a mantissa below, both signed.
 fn exponential(words: &mut [u8]) {
     for bytes in words.as_chunks_mut::<4>().0 {
-        let word = i32::from_le_bytes(*bytes);
-        let value = f64::from(word << 8 >> 8) * f64::from(word >> 24).exp2();
-        *bytes = (value as f32).to_le_bytes();
+        *bytes = exponential_word(*bytes).to_le_bytes();
     }
+}
+
+/// A 32-bit word has an exponent in its highest byte and a mantissa below, both signed.
+pub(in crate::io::gltf) fn exponential_word(bytes: [u8; 4]) -> f32 {
+    let word = i32::from_le_bytes(bytes);
+    (f64::from(word << 8 >> 8) * f64::from(word >> 24).exp2()) as f32
 }
 
 /// A unit vector as its place on an octahedron unfolded into a square; the third number is 1 in this

@@ -1,5 +1,13 @@
 //! Accessors: typed arrays over buffer views, with sparse substitutions.
 
+mod bounds;
+mod indices;
+mod raw;
+mod vectors;
+
+pub(super) use indices::Indices;
+pub(super) use raw::Raw;
+
 use super::buffers::{Buffers, Elements, Run};
 use crate::error::ParseError;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
@@ -26,34 +34,6 @@ pub(super) struct Array<'b> {
     sparse: Option<(Indices<'b>, Elements<'b>)>,
 }
 
-/// The elements of an accessor as bytes, sparse substitutions made.
-pub(super) struct Raw<'b> {
-    zero: Vec<u8>,
-    base: Option<Elements<'b>>,
-    /// Element and the number of the value that replaces it, by element.
-    replaced: Vec<(u32, usize)>,
-    values: Option<Elements<'b>>,
-}
-
-impl Raw<'_> {
-    /// The bytes of an element. Panics when `i` is not below the accessor's count.
-    #[inline]
-    pub(super) fn get(&self, i: u32) -> &[u8] {
-        if let Some(values) = &self.values {
-            let after = self.replaced.partition_point(|&(place, _)| place <= i);
-            if let Some(&(place, value)) = after.checked_sub(1).and_then(|last| self.replaced.get(last))
-                && place == i
-            {
-                return values.get(value);
-            }
-        }
-        match &self.base {
-            Some(base) => base.get(i as usize),
-            None => &self.zero,
-        }
-    }
-}
-
 /// Bytes of an element. Columns of matrices begin at multiples of 4 (specification, 3.6.2.4).
 fn element_size(component: ComponentType, shape: Type) -> usize {
     let size = component.size();
@@ -64,15 +44,6 @@ fn element_size(component: ComponentType, shape: Type) -> usize {
         _ => return size * shape.multiplicity(),
     };
     columns * (size * columns).next_multiple_of(4)
-}
-
-/// Unsigned integers: the indices of a primitive or of a sparse accessor.
-pub(super) enum Indices<'b> {
-    U8(Elements<'b>),
-    U16(Elements<'b>),
-    U32(Elements<'b>),
-    /// From a sparse accessor, whose values stand in two places.
-    List(Vec<u32>),
 }
 
 impl<'a> Accessors<'a> {
@@ -203,66 +174,6 @@ impl<'b> Array<'b> {
         self.size
     }
 
-    /// The bytes of all elements, to be looked up by number.
-    pub(super) fn raw(self) -> Result<Raw<'b>, ParseError> {
-        let mut replaced = Vec::new();
-        if let Some((places, values)) = self.sparse {
-            for i in 0..places.len() {
-                let place = places.get(i);
-                if place as usize >= self.count {
-                    let what = format!("replaces element {place}, but the accessor has only {}", self.count);
-                    return Err(ParseError::json(format!("{}.sparse.indices", self.path), what));
-                }
-                replaced.push((place, i));
-            }
-            // Stable, so that of several replacements the last comes last.
-            replaced.sort_by_key(|&(place, _)| place);
-            return Ok(Raw { zero: vec![0; self.size], base: self.base, replaced, values: Some(values) });
-        }
-        Ok(Raw { zero: vec![0; self.size], base: self.base, replaced, values: None })
-    }
-
-    /// Decodes all elements of a vector array onto the end of `out`.
-    ///
-    /// 32-bit floats keep their bits, NaN payloads included. Integers become floats by the
-    /// formulas of the specification (section 3.6.2.2); only 32-bit ones, which no extension
-    /// allows for positions, may be rounded.
-    pub(super) fn append_to(&self, out: &mut Vec<[f32; 3]>) -> Result<(), ParseError> {
-        let start = out.len();
-        match self.base {
-            Some(base) => self.decode(base, out),
-            None => out.resize(start + self.count, [0.0; 3]),
-        }
-        if let Some((places, values)) = &self.sparse {
-            let mut decoded = Vec::new();
-            self.decode(*values, &mut decoded);
-            for (i, value) in decoded.into_iter().enumerate() {
-                *self.slot(&mut out[start..], places, i)? = value;
-            }
-        }
-        Ok(())
-    }
-
-    fn decode(&self, elements: Elements<'_>, out: &mut Vec<[f32; 3]>) {
-        match (self.component, self.normalized) {
-            (ComponentType::F32, _) => extend(out, elements, f32::from_le_bytes),
-            (ComponentType::I8, false) => extend(out, elements, |b| f32::from(i8::from_le_bytes(b))),
-            (ComponentType::U8, false) => extend(out, elements, |b| f32::from(u8::from_le_bytes(b))),
-            (ComponentType::I16, false) => extend(out, elements, |b| f32::from(i16::from_le_bytes(b))),
-            (ComponentType::U16, false) => extend(out, elements, |b| f32::from(u16::from_le_bytes(b))),
-            (ComponentType::U32, false) => extend(out, elements, |b| u32::from_le_bytes(b) as f32),
-            (ComponentType::I8, true) => extend(out, elements, |b| (f32::from(i8::from_le_bytes(b)) / 127.0).max(-1.0)),
-            (ComponentType::U8, true) => extend(out, elements, |b| f32::from(u8::from_le_bytes(b)) / 255.0),
-            (ComponentType::I16, true) => {
-                extend(out, elements, |b| (f32::from(i16::from_le_bytes(b)) / 32767.0).max(-1.0));
-            }
-            (ComponentType::U16, true) => extend(out, elements, |b| f32::from(u16::from_le_bytes(b)) / 65535.0),
-            (ComponentType::U32, true) => {
-                extend(out, elements, |b| (f64::from(u32::from_le_bytes(b)) / f64::from(u32::MAX)) as f32);
-            }
-        }
-    }
-
     /// The element that the sparse index at `i` replaces.
     fn slot<'v, T>(&self, values: &'v mut [T], places: &Indices<'_>, i: usize) -> Result<&'v mut T, ParseError> {
         let place = places.get(i);
@@ -271,52 +182,6 @@ impl<'b> Array<'b> {
             let what = format!("replaces element {place}, but the accessor has only {}", self.count);
             ParseError::json(format!("{}.sparse.indices", self.path), what)
         })
-    }
-}
-
-/// Appends vectors whose components take N bytes each.
-fn extend<const N: usize>(out: &mut Vec<[f32; 3]>, elements: Elements<'_>, convert: impl Fn([u8; N]) -> f32) {
-    out.reserve(elements.len());
-    out.extend(elements.iter().map(|element| {
-        let (parts, _) = element.as_chunks::<N>();
-        [convert(parts[0]), convert(parts[1]), convert(parts[2])]
-    }));
-}
-
-impl<'b> Indices<'b> {
-    fn new(component: ComponentType, elements: Elements<'b>, path: &str) -> Result<Self, ParseError> {
-        match component {
-            ComponentType::U8 => Ok(Indices::U8(elements)),
-            ComponentType::U16 => Ok(Indices::U16(elements)),
-            ComponentType::U32 => Ok(Indices::U32(elements)),
-            _ => {
-                let what = "indices must be unsigned integers: 5121, 5123 or 5125";
-                Err(ParseError::json(format!("{path}.componentType"), what))
-            }
-        }
-    }
-
-    /// Number of indices.
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Indices::U8(e) | Indices::U16(e) | Indices::U32(e) => e.len(),
-            Indices::List(list) => list.len(),
-        }
-    }
-
-    /// An index. Panics when `i >= len()`.
-    #[inline]
-    pub(super) fn get(&self, i: usize) -> u32 {
-        match self {
-            Indices::U8(e) => u32::from(e.get(i)[0]),
-            Indices::U16(e) => e.get(i).first_chunk().map_or(0, |&b| u32::from(u16::from_le_bytes(b))),
-            Indices::U32(e) => e.get(i).first_chunk().map_or(0, |&b| u32::from_le_bytes(b)),
-            Indices::List(list) => list[i],
-        }
-    }
-
-    fn into_list(self) -> Vec<u32> {
-        (0..self.len()).map(|i| self.get(i)).collect()
     }
 }
 

@@ -1,8 +1,12 @@
 //! Decoder of `EXT_meshopt_compression` and `KHR_meshopt_compression`, as their appendices A and B
 //! specify the streams. Own code: the crates that decode them wrap a C++ library. What the filters do to
-//! normals, rotations and colours is in [`super::filters`].
+//! normals, rotations and colours is in [`filters`].
 
-use super::filters;
+pub(super) mod encode;
+mod filters;
+
+pub(super) use filters::exponential_word as exponential;
+
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
