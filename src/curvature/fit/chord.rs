@@ -95,21 +95,23 @@ impl ChordFit {
     /// Fits samples around `frame.origin`, none of them further from it than about `frame.unit`, and
     /// refits `rounds` times in the frame that the fit before suggests.
     pub(super) fn new(frame: Frame, samples: &[DVec3], rounds: usize, rows: &mut Rows) -> Option<Self> {
-        ChordFit::weighted(frame, samples, &[], rounds, rows)
+        ChordFit::weighted(frame, samples, &[], 4, rounds, rows)
     }
 
-    /// The same with a weight for each sample.
+    /// The same with a weight for each sample and up to a degree.
     pub(super) fn weighted(
         mut frame: Frame,
         samples: &[DVec3],
         weights: &[f64],
+        degree: usize,
         rounds: usize,
         rows: &mut Rows,
     ) -> Option<Self> {
-        let highest = (2..=4).rev().find(|&d| TERMS[d] + 3 <= samples.len())?;
+        let carried = (2..=4).rev().find(|&d| TERMS[d] + 3 <= samples.len())?;
+        let highest = carried.min(degree);
         for round in 0.. {
             let last = round == rounds;
-            let degree = if last { highest } else { highest.min(3) };
+            let degree = if last { highest } else { carried.min(3) };
             let width = TERMS[degree];
             rows.reset(samples.len(), width);
             run(FillRows { frame: &frame, samples, weights, width, rows });

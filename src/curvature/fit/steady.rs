@@ -70,13 +70,14 @@ pub(super) fn within(sampler: &mut Sampler<'_>, face: Face, radius: f64, quantum
 /// samples carry several times over.
 fn weighted(sampler: &mut Sampler<'_>, frame: Frame, centre: DVec3, degree: usize) -> Option<Blended> {
     sampler.weigh(&frame);
-    let fit = ChordFit::weighted(frame, &sampler.points, &sampler.weights, 2, &mut sampler.rows)?;
     let carried = match sampler.points.len() {
         0..24 => 2,
         24..45 => 3,
         _ => 4,
     };
-    let degree = degree.min(carried).min(fit.highest());
+    let degree = degree.min(carried);
+    let fit = ChordFit::weighted(frame, &sampler.points, &sampler.weights, degree, 2, &mut sampler.rows)?;
+    let degree = fit.highest();
     let (_, shape) = fit.surface(degree).shape_at(centre)?;
     let error = (fit.deviation_squared(degree) * fit.tensor_variance(degree)).sqrt();
     Some(Blended { shape, radius: frame.unit, error })
