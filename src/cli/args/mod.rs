@@ -63,8 +63,12 @@ pub(super) enum Command {
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
     /// Draw the disk of one face: its legs, rim and principal directions, as glTF lines
+    ///
+    /// Curvature is read off the disk's sections here, with `--estimator auto` too: as `osculating` does it.
     Disk(Box<DiskArgs>),
     /// Step along a principal direction, from one face or many, as glTF lines or CSV
+    ///
+    /// Directions are those of disks here, with `--estimator auto` too: as `osculating` reads them.
     Trace(Box<TraceArgs>),
     /// Cut the whole mesh with a plane, as glTF lines or SVG
     Section(SectionArgs),
