@@ -1,20 +1,26 @@
 //! STL, binary and ASCII.
 //!
-//! Binary files go through `stl_io`, which is handed a neutral header with the number of triangles
-//! that the file really holds. ASCII files are read here: `stl_io` refuses much of what CAD programs
-//! and printers write (see docs/decisions.md).
+//! Binary files are read in windows, so that a file of gigabytes is never in memory besides its
+//! triangles; their number is that which the file really holds, whatever its header says.
 
 use super::text::{self, Lines};
 use crate::error::ParseError;
 use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
-use std::io::{Chain, Cursor, Read, Seek, SeekFrom};
+use std::array::from_fn;
+use std::io::{self, BufRead};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 /// True when the file's size is just what the count in its header asks for.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    declared(bytes).is_some_and(|count| (HEADER as u64 + RECORD as u64 * count) == bytes.len() as u64)
+    binary_count(bytes, bytes.len() as u64).is_some()
+}
+
+/// The number of triangles of a binary file that is as long as its header says, by its first bytes
+/// and its length.
+pub(super) fn binary_count(start: &[u8], length: u64) -> Option<u64> {
+    declared(start).filter(|count| HEADER as u64 + RECORD as u64 * count == length)
 }
 
 /// True when the file begins as an ASCII STL and goes on as one.
@@ -81,56 +87,48 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
             notes.push(Note::repaired(format!("{extra} bytes after the last of {count} triangles are ignored")));
         }
     }
-    let mut positions = Vec::with_capacity(3 * count as usize);
-    let mut source = Neutral::new(count as u32, body);
-    let triangles =
-        stl_io::create_stl_reader(&mut source).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
-    for (i, triangle) in triangles.enumerate() {
-        let at = (HEADER + RECORD * i) as u64;
-        let triangle = triangle.map_err(|e| ParseError::byte(at, e.to_string()))?;
-        positions.extend(triangle.vertices.map(|v| v.0));
-    }
-    let mut soup = Soup::new(Positions::F32(positions), corners_in_order(count as u32));
+    let records = &mut &body[..RECORD * count as usize];
+    let mut soup = read_records(records, count as usize).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
     soup.notes = notes;
     Ok(soup)
 }
 
-fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
-    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
+/// Reads a binary file from its first byte on, as far as [`binary_count`] says; `None` where there
+/// are no triangles, or more than can be handled.
+pub(super) fn read_stream(stream: &mut impl BufRead, count: u64) -> Option<io::Result<Soup>> {
+    let count = usize::try_from(count).ok().filter(|count| (1..=MAX_FACES).contains(count))?;
+    Some(stream.read_exact(&mut [0; HEADER]).and_then(|()| read_records(stream, count)))
 }
 
-/// A binary STL whose header cannot be taken for ASCII and whose count is right.
-struct Neutral<'b> {
-    header: [u8; HEADER],
-    body: &'b [u8],
-    stream: Chain<Cursor<[u8; HEADER]>, &'b [u8]>,
-}
-
-impl<'b> Neutral<'b> {
-    fn new(count: u32, body: &'b [u8]) -> Self {
-        let mut header = [0; HEADER];
-        header[80..].copy_from_slice(&count.to_le_bytes());
-        Neutral { header, body, stream: Cursor::new(header).chain(body) }
-    }
-}
-
-impl Read for Neutral<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        self.stream.read(buffer)
-    }
-}
-
-/// `stl_io` looks at the header and goes back to the start; nothing else is needed of it.
-impl Seek for Neutral<'_> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        match to {
-            SeekFrom::Start(0) => {
-                self.stream = Cursor::new(self.header).chain(self.body);
-                Ok(0)
-            }
-            _ => Err(std::io::ErrorKind::Unsupported.into()),
+/// Reads triangles of 50 bytes each: a normal, three corners and two bytes that are nobody's.
+fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
+    let mut corners: Vec<[[f32; 3]; 3]> = Vec::new();
+    corners.try_reserve_exact(count)?;
+    while corners.len() < count {
+        let (whole, _) = stream.fill_buf()?.as_chunks::<RECORD>();
+        let whole = &whole[..whole.len().min(count - corners.len())];
+        corners.extend(whole.iter().map(corners_of));
+        let used = RECORD * whole.len();
+        if used > 0 {
+            stream.consume(used);
+        } else {
+            // It begins in one window and ends in the next.
+            let mut record = [0; RECORD];
+            stream.read_exact(&mut record)?;
+            corners.push(corners_of(&record));
         }
     }
+    Ok(Soup::new(Positions::F32(corners.into_flattened()), corners_in_order(count as u32)))
+}
+
+#[inline]
+fn corners_of(record: &[u8; RECORD]) -> [[f32; 3]; 3] {
+    let (values, _) = record.as_chunks::<4>();
+    from_fn(|corner| from_fn(|axis| f32::from_le_bytes(values[3 + 3 * corner + axis])))
+}
+
+fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
+    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
 }
 
 fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {

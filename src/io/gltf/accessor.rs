@@ -276,11 +276,13 @@ impl<'b> Array<'b> {
 
 /// Appends vectors whose components take N bytes each.
 fn extend<const N: usize>(out: &mut Vec<[f32; 3]>, elements: Elements<'_>, convert: impl Fn([u8; N]) -> f32) {
-    out.reserve(elements.len());
-    out.extend(elements.iter().map(|element| {
-        let (parts, _) = element.as_chunks::<N>();
-        [convert(parts[0]), convert(parts[1]), convert(parts[2])]
-    }));
+    let vector = |parts: &[[u8; N]]| [convert(parts[0]), convert(parts[1]), convert(parts[2])];
+    if let Some(bytes) = elements.side_by_side() {
+        let (vectors, _) = bytes.as_chunks::<N>().0.as_chunks::<3>();
+        out.extend(vectors.iter().map(|parts| vector(parts)));
+    } else {
+        out.extend(elements.iter().map(|element| vector(element.as_chunks::<N>().0)));
+    }
 }
 
 impl<'b> Indices<'b> {
@@ -312,6 +314,28 @@ impl<'b> Indices<'b> {
             Indices::U16(e) => e.get(i).first_chunk().map_or(0, |&b| u32::from(u16::from_le_bytes(b))),
             Indices::U32(e) => e.get(i).first_chunk().map_or(0, |&b| u32::from_le_bytes(b)),
             Indices::List(list) => list[i],
+        }
+    }
+
+    /// Appends them three by three, which goes fast where they lie side by side; false where they do
+    /// not, and nothing is appended.
+    pub(super) fn append_triangles_to(&self, out: &mut Vec<[u32; 3]>) -> bool {
+        fn append<const N: usize>(
+            elements: &Elements<'_>,
+            out: &mut Vec<[u32; 3]>,
+            number: impl Fn([u8; N]) -> u32,
+        ) -> bool {
+            let Some(bytes) = elements.side_by_side() else { return false };
+            let (corners, _) = bytes.as_chunks::<N>();
+            let (triangles, _) = corners.as_chunks::<3>();
+            out.extend(triangles.iter().map(|&[a, b, c]| [number(a), number(b), number(c)]));
+            true
+        }
+        match self {
+            Indices::U8(e) => append(e, out, |[byte]| u32::from(byte)),
+            Indices::U16(e) => append(e, out, |b| u32::from(u16::from_le_bytes(b))),
+            Indices::U32(e) => append(e, out, u32::from_le_bytes),
+            Indices::List(_) => false,
         }
     }
 

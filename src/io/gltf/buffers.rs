@@ -63,6 +63,11 @@ impl<'a> Elements<'a> {
         &self.bytes[start..start + self.size]
     }
 
+    /// The bytes of all elements where there are none between them.
+    pub(super) fn side_by_side(&self) -> Option<&'a [u8]> {
+        (self.stride == self.size).then_some(self.bytes)
+    }
+
     /// The bytes of all elements in order.
     pub(super) fn iter(self) -> impl Iterator<Item = &'a [u8]> {
         // The last chunk is as short as an element; the others may have a gap behind it.
