@@ -49,7 +49,7 @@ impl Positions {
 /// A run of faces that the file gives a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// The file's name for it; empty where it has none.
+    /// The file's name for it, of which 255 bytes are kept; empty where it has none.
     pub name: String,
     /// Its faces.
     pub faces: Range<u32>,
@@ -125,6 +125,11 @@ impl fmt::Debug for Original {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Original({}, {} bytes)", self.path.display(), self.bytes.len())
     }
+}
+
+/// As much of a name as is kept: thousands of groups may share one, and it may be of any length.
+pub(crate) fn short_name(name: &str) -> &str {
+    &name[..name.floor_char_boundary(255)]
 }
 
 /// What a reader had to repair or skip, in a sentence, or only wants to mention.

@@ -2,7 +2,7 @@
 
 use crate::error::ParseError;
 use crate::soup::{MAX_FACES, Note, Positions, Soup};
-use crate::triangulate::{Outcome, triangulate};
+use crate::triangulate::{Effort, Outcome, triangulate};
 
 /// Polygons as read. Corners are checked at the end: faces may come before the vertices.
 #[derive(Default)]
@@ -97,11 +97,11 @@ impl Polygons {
             });
         }
         triangles.reserve_exact(more);
-        let (mut rough, mut start) = (0, 0);
+        let (mut rough, mut start, mut effort) = (0, 0, Effort::default());
         for (i, &end) in self.ends.iter().enumerate() {
             let corners = &self.corners[start..end];
             if outside.all_inside(before + i, corners, count)
-                && triangulate(corners, |c| positions.get(c as usize), &mut triangles) == Outcome::Rough
+                && triangulate(corners, |c| positions.get(c as usize), &mut effort, &mut triangles) == Outcome::Rough
             {
                 rough += 1;
             }
@@ -125,7 +125,7 @@ impl Polygons {
         }
         if rough > 0 {
             soup.notes.push(Note::info(format!(
-                "{rough} polygons cross themselves or have no area; their triangles may overlap"
+                "{rough} polygons cross themselves, have no area or are too long; their triangles may overlap"
             )));
         }
         Ok(soup)

@@ -3,7 +3,7 @@
 //! Binary files are read in windows, so that a file of gigabytes is never in memory besides its
 //! triangles; their number is that which the file really holds, whatever its header says.
 
-use super::text::{self, Lines};
+use super::text::{self, Lines, Words};
 use crate::error::ParseError;
 use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
 use std::array::from_fn;
@@ -153,6 +153,24 @@ fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
     ascii.into_soup(cut)
 }
 
+/// The words from the first facet on, or none. A name before it may be anything, the word facet
+/// included; a facet has a normal or a loop.
+fn first_facet(mut words: Words<'_>) -> Words<'_> {
+    let is = |word: &[u8], keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
+    loop {
+        let here = words;
+        match words.next() {
+            Some(word) if is(word, b"facet") => {
+                if { words }.next().is_some_and(|next| is(next, b"normal") || is(next, b"outer")) {
+                    return here;
+                }
+            }
+            Some(_) => {}
+            None => return words,
+        }
+    }
+}
+
 /// An ASCII file as far as it has been read.
 #[derive(Default)]
 struct Ascii {
@@ -203,15 +221,12 @@ impl Ascii {
                 b"outer" | b"loop" | b"endloop" => {}
                 b"solid" => {
                     let start = (self.positions.len() / 3) as u32;
-                    let rest: Vec<&[u8]> = words.collect();
-                    // A name may be anything, the word facet included; a facet has a normal or a loop.
-                    let is = |word: &[u8], keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
-                    let facet =
-                        rest.windows(2).position(|w| is(w[0], b"facet") && (is(w[1], b"normal") || is(w[1], b"outer")));
-                    let (name, rest) = rest.split_at(facet.unwrap_or(rest.len()));
-                    self.solids.push(Group { name: text::name(&name.join(&b' ')), faces: start..start });
+                    let from = words.rest();
+                    let facet = first_facet(words);
+                    let name = text::name(&from[..from.len() - facet.rest().len()]);
+                    self.solids.push(Group { name, faces: start..start });
                     self.ended = false;
-                    return if rest.is_empty() { Ok(()) } else { self.line(line, &rest.join(&b' ')) };
+                    words = facet;
                 }
                 b"endsolid" => {
                     self.ended = true;
@@ -295,6 +310,25 @@ mod tests {
         let mut cut = binary(b"", 3, 3);
         cut.truncate(cut.len() - 1);
         assert_eq!(read(&cut).expect("readable").face_count(), 2);
+    }
+
+    #[test]
+    fn windows_of_any_size_show_the_same() {
+        let bytes = binary(b"windows", 7, 7);
+        let whole = read(&bytes).expect("readable");
+        let theirs: Vec<[f32; 3]> = stl_io::create_stl_reader(&mut io::Cursor::new(&bytes))
+            .expect("stl_io reads it")
+            .flat_map(|triangle| triangle.expect("a triangle").vertices.map(|v| v.0))
+            .collect();
+        assert_eq!(whole.positions, Positions::F32(theirs));
+        for window in [1, 49, 50, 51, 84, 130, 1000] {
+            let mut stream = io::BufReader::with_capacity(window, bytes.as_slice());
+            let soup = read_stream(&mut stream, 7).expect("some triangles").expect("readable");
+            assert_eq!(soup, whole, "{window}");
+            let mut cut = io::BufReader::with_capacity(window, &bytes[..bytes.len() - 1]);
+            read_stream(&mut cut, 7).expect("some triangles").expect_err("a file that shrinks while it is read");
+        }
+        assert!(read_stream(&mut &bytes[..], 0).is_none() && read_stream(&mut &bytes[..], u64::MAX).is_none());
     }
 
     #[test]

@@ -11,7 +11,9 @@ use base64::engine::general_purpose::{GeneralPurpose, PAD_INDIFFERENT};
 use gltf_json::{Buffer, Index, buffer::View};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 /// Where the bytes of buffers can come from.
 pub(super) struct Source<'a> {
@@ -30,6 +32,11 @@ pub(super) struct Buffers<'a> {
     source: Source<'a>,
     meshopt_required: bool,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// The buffer that holds the bytes of each: another one where both name the same file, which is
+    /// in memory once however many do.
+    holders: Vec<Cell<usize>>,
+    /// Files that were read, and the buffers that hold them.
+    files: RefCell<HashMap<PathBuf, usize>>,
     /// Views that were compressed.
     decoded: Vec<OnceCell<Vec<u8>>>,
     /// Bytes of all decoded views.
@@ -96,7 +103,9 @@ impl<'a> Buffers<'a> {
     pub(super) fn new(buffers: &'a [Buffer], views: &'a [View], meshopt_required: bool, source: Source<'a>) -> Self {
         let loaded = buffers.iter().map(|_| OnceCell::new()).collect();
         let decoded = views.iter().map(|_| OnceCell::new()).collect();
-        Buffers { buffers, views, source, meshopt_required, loaded, decoded, decoded_bytes: Cell::new(0) }
+        let holders = (0..buffers.len()).map(Cell::new).collect();
+        let (files, decoded_bytes) = (RefCell::default(), Cell::new(0));
+        Buffers { buffers, views, source, meshopt_required, loaded, holders, files, decoded, decoded_bytes }
     }
 
     /// Bytes read so far: what a document may reasonably be expanded from.
@@ -222,16 +231,25 @@ impl<'a> Buffers<'a> {
     /// All bytes of a buffer, loaded on the first call.
     fn data(&self, index: Index<Buffer>, view: usize) -> Result<&[u8], ParseError> {
         let index = index.value();
-        let (Some(buffer), Some(cell)) = (self.buffers.get(index), self.loaded.get(index)) else {
+        let (Some(buffer), Some(holder)) = (self.buffers.get(index), self.holders.get(index)) else {
             let what = format!("there is no buffer {index} among {}", self.buffers.len());
             return Err(ParseError::json(format!("bufferViews[{view}].buffer"), what));
         };
-        if let Some(bytes) = cell.get() {
+        if let Some(bytes) = self.loaded[holder.get()].get() {
             return Ok(bytes);
         }
+        let failed = |what| ParseError::json(format!("buffers[{index}].uri"), what);
         let bytes = match (&buffer.uri, self.source.bin) {
-            (Some(uri), _) => load(uri, self.source.folders)
-                .map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?,
+            (Some(uri), _) if is_data(uri) => decode_data_uri(&uri[5..]).map_err(failed)?,
+            (Some(uri), _) => {
+                let file = find_external(uri, self.source.folders).map_err(failed)?;
+                let first = *self.files.borrow_mut().entry(file.clone()).or_insert(index);
+                if let Some(bytes) = self.loaded[first].get() {
+                    holder.set(first);
+                    return Ok(bytes);
+                }
+                Cow::Owned(read_external(uri, &file).map_err(failed)?)
+            }
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 let what =
@@ -239,16 +257,21 @@ impl<'a> Buffers<'a> {
                 return Err(ParseError::json(format!("buffers[{index}]"), what));
             }
         };
-        Ok(cell.get_or_init(|| bytes))
+        Ok(self.loaded[index].get_or_init(|| bytes))
     }
+}
+
+fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
 /// The bytes behind a URI, or why there are none.
 pub(super) fn load<'a>(uri: &'a str, folders: Folders<'_>) -> Result<Cow<'a, [u8]>, String> {
-    match uri.get(..5) {
-        Some(scheme) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(&uri[5..]),
-        _ => read_external(uri, folders).map(Cow::Owned),
+    if is_data(uri) {
+        return decode_data_uri(&uri[5..]);
     }
+    let file = find_external(uri, folders)?;
+    read_external(uri, &file).map(Cow::Owned)
 }
 
 /// The part of a data URI after `data:`. The media type is nobody's business here.
@@ -271,15 +294,23 @@ fn decode_data_uri(rest: &str) -> Result<Cow<'_, [u8]>, String> {
     bytes.map(Cow::Owned).map_err(|error| format!("the base64 data cannot be decoded: {error}"))
 }
 
-/// Reads a file that must lie where a model's files may.
-fn read_external(uri: &str, folders: Folders<'_>) -> Result<Vec<u8>, String> {
-    let cut: String = uri.chars().take(80).collect();
+/// As much of a URI as belongs into a message.
+fn shown(uri: &str) -> String {
+    uri.chars().take(80).collect()
+}
+
+/// Finds a file that must lie where a model's files may.
+fn find_external(uri: &str, folders: Folders<'_>) -> Result<PathBuf, String> {
+    let cut = shown(uri);
     if has_scheme(uri) {
         return Err(format!("\"{cut}\" is not read: only paths relative to the model's folder are"));
     }
     let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| format!("\"{cut}\" is not UTF-8"))?;
-    let file = folders.find(&decoded).map_err(|why| format!("\"{cut}\" {why}"))?;
-    std::fs::read(file).map_err(|error| format!("\"{cut}\" cannot be read: {error}"))
+    folders.find(&decoded).map_err(|why| format!("\"{cut}\" {why}"))
+}
+
+fn read_external(uri: &str, file: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(file).map_err(|error| format!("\"{}\" cannot be read: {error}", shown(uri)))
 }
 
 /// True for `http:`, `file:` and their like, Windows drive letters among them (RFC 3986, 3.1).

@@ -2,7 +2,7 @@
 
 use super::accessor::{Accessors, Indices};
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note, PrimitiveFaces};
+use crate::soup::{Group, MAX_FACES, Note, PrimitiveFaces, short_name};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::{Accessor, Index, Mesh, validation::Checked};
 use serde::Deserialize;
@@ -137,8 +137,8 @@ impl<'a> Geometry<'a> {
         }
         if self.triangles.len() > first_face {
             let material = primitive.material.and_then(|material| self.materials.get(material.value()));
-            let name = material.and_then(|material| material.name.clone()).unwrap_or_default();
-            self.groups.push(Group { name, faces: number(first_face)..number(self.triangles.len()) });
+            let name = material.and_then(|material| material.name.as_deref()).map(short_name).unwrap_or_default();
+            self.groups.push(Group { name: name.to_owned(), faces: number(first_face)..number(self.triangles.len()) });
         }
         Ok(())
     }
