@@ -102,9 +102,11 @@ fn look_for(libraries: &[(u64, String)], folders: Folders<'_>, soup: &mut Soup) 
         // Names may hold spaces, and a line may hold several names.
         let found = match folders.find(names) {
             Ok(file) => vec![Ok(file)],
-            Err(_) => {
-                let names = names.split_whitespace().take(MOST_LIBRARIES);
-                names.map(|name| folders.find(name).map_err(|why| (name, why))).collect()
+            Err(why) => {
+                let each = names.split_whitespace().take(MOST_LIBRARIES);
+                let each: Vec<_> = each.map(|name| folders.find(name).map_err(|why| (name, why))).collect();
+                // Where none is there, it may as well be one name with spaces.
+                if each.iter().any(Result::is_ok) { each } else { vec![Err((names.as_str(), why))] }
             }
         };
         for file in found {
@@ -324,6 +326,8 @@ mod tests {
             let soup = read_in(library);
             assert!(soup.notes.is_empty() && soup.files.len() == 1, "{:?}", soup.notes);
         }
+        let soup = read_in("one name with spaces.mtl");
+        assert!(soup.notes.len() == 1 && soup.notes[0].message.contains("\"one name with spaces.mtl\""));
         for library in ["a.mtl gone.mtl", "../b.mtl a.mtl", "gone.mtl a.mtl"] {
             let soup = read_in(library);
             assert_eq!((soup.notes.len(), soup.files.len()), (1, 1), "{:?}", soup.notes);

@@ -1,7 +1,7 @@
 //! Files that say one thing once and use it many times: names, buffers, meshes, parts and
 //! statements. Each of them once took gigabytes or minutes.
 
-use super::table::{Files, glb, glb_of, threemf_of, zip_of};
+use super::table::{Files, glb, glb_of, gzip, threemf_of, zip_of};
 use serde_json::json;
 
 const LONG: usize = 400_000;
@@ -90,7 +90,17 @@ fn copies() -> Files {
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
         "nodes": vec![json!({ "mesh": 0, "rotation": [0.1, 0.2, 0.3, 0.9] }); 2 * MANY]
     });
+    // A face of four bytes, which gzip packs into a two-hundredth.
+    let mut same_face = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 12000000\nproperty list uchar uchar vertex_indices\nend_header\n".to_vec();
+    same_face.extend(&bin[..36]);
+    same_face.extend(b"\x03\x00\x01\x02".repeat(12_000_000));
+    let object = format!(
+        "<object id='1'>{}</object>",
+        TRIANGLE.replace("</triangles>", &("<triangle v1='0' v2='1' v3='2'/>".repeat(1_500_000) + "</triangles>"))
+    );
     vec![
+        ("same-face.ply.gz".into(), gzip(&same_face)),
+        ("same-face.3mf".into(), threemf_of(&object, "<item objectid='1'/>")),
         ("buffers.gltf".into(), buffers.to_string().into_bytes()),
         ("instances.glb".into(), glb_of(&instances.to_string(), &bin)),
     ]

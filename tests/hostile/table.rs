@@ -421,12 +421,13 @@ fn threemf(files: &mut Files) {
     files.push(("directory.3mf".into(), bytes));
 }
 
+pub(super) fn gzip(content: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(content).expect("a vector takes all");
+    encoder.finish().expect("a vector takes all")
+}
+
 fn packed(files: &mut Files) {
-    let gzip = |content: &[u8]| {
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-        encoder.write_all(content).expect("a vector takes all");
-        encoder.finish().expect("a vector takes all")
-    };
     let bomb = gzip(&vec![b' '; 100 << 20]);
     files.push(("bomb.obj.gz".into(), bomb.clone()));
     files.push(("twice.obj.gz".into(), gzip(&gzip(&bomb))));

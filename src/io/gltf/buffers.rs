@@ -45,8 +45,8 @@ pub(super) struct Buffers<'a> {
 
 /// What compressed views may always expand to together, and beyond that for each byte of input.
 /// Positions shrink to a tenth, constant ones to a thousandth.
-const FREE_DECODED: usize = 32 << 20;
-const MOST_EXPANSION: usize = 200;
+const FREE_DECODED: usize = 8 << 20;
+const MOST_EXPANSION: usize = 50;
 
 /// Equally spaced elements in a buffer, all inside the bytes that are really there.
 #[derive(Clone, Copy)]
@@ -202,7 +202,7 @@ impl<'a> Buffers<'a> {
         let limit = FREE_DECODED.max(self.bytes_at_hand().saturating_mul(MOST_EXPANSION));
         let total = compression.decoded_length().and_then(|length| length.checked_add(self.decoded_bytes.get()));
         let total = total.filter(|&total| total <= limit).ok_or_else(|| {
-            failed(format!("it expands to more than {limit} bytes, {MOST_EXPANSION} times the file's size"))
+            failed(format!("it expands to more than {limit} bytes, which no mesh of the file's size does"))
         })?;
         let bytes = compression.decode(data).map_err(failed)?;
         self.decoded_bytes.set(total);

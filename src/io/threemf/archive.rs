@@ -11,8 +11,8 @@ use std::io::{BufRead, BufReader, Cursor, Read};
 use zip::ZipArchive;
 
 /// What the parts may always expand to together, and beyond that for each byte of the archive.
-const FREE: u64 = 64 << 20;
-const MOST_EXPANSION: u64 = 200;
+const FREE: u64 = 8 << 20;
+const MOST_EXPANSION: u64 = 50;
 
 pub(super) struct Archive<'b> {
     zip: ZipArchive<Cursor<&'b [u8]>>,
@@ -121,7 +121,7 @@ impl<'b> Archive<'b> {
         let result = parse(&mut reader);
         let read = left + 1 - stream.get_ref().limit();
         if read > left {
-            let what = format!("expands to more than {} bytes, {MOST_EXPANSION} times the file's size", self.limit);
+            let what = format!("expands to more than {} bytes, which no model of the file's size does", self.limit);
             return Err(ParseError::file(format!("{part}: {what}; unpack it yourself if it is to be trusted")));
         }
         self.read += read;
