@@ -16,11 +16,12 @@ flags="$flags -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1"
 RUSTFLAGS=$flags CARGO_TARGET_DIR=$build cargo build --release --target "$triple" ${JOBS:+-j "$JOBS"}
 
 run() {
-    local target=$1
+    local target=$1 seeds=seeds/$1
+    [ "$target" != threemf ] || seeds=seeds/3mf
     mkdir -p "corpus/$target" artifacts
     "$build/$triple/release/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -max_len=65536 \
         -malloc_limit_mb=512 -print_final_stats=1 -artifact_prefix="artifacts/$target-" \
-        "corpus/$target" "seeds/$target" 2>&1 | tee "artifacts/$target.log" | grep -E '^stat::|ERROR|panicked|DONE' || true
+        "corpus/$target" "$seeds" 2>&1 | tee "artifacts/$target.log" | grep -E '^stat::|ERROR|panicked|DONE' || true
 }
 
 if [ "$1" = all ]; then

@@ -133,7 +133,11 @@ pub(crate) fn mesh(bytes: &[u8]) {
         for (f, value) in values.iter().enumerate().filter(|(_, v)| v.is_estimated()) {
             assert!(value.k_max >= value.k_min, "face {f}: {value:?}");
             assert!((0.0..=1.0).contains(&value.coverage), "face {f}: {value:?}");
+            assert!((0.0..=1.0).contains(&value.confidence), "face {f}: {value:?}");
             assert!(value.k_max.is_finite() && value.k_min.is_finite(), "face {f}: {value:?}");
+            assert!(value.mean().is_finite() && value.radius >= 0.0, "face {f}: {value:?}");
+            assert!((value.dir_max.length() - 1.0).abs() < 1e-4, "face {f}: {value:?}");
+            assert!(value.dir_max.dot(value.dir_min).abs() < 1e-4, "face {f}: {value:?}");
             assert!(mesh.face_state(Face(f as u32)) != osculate::FaceState::NotFinite);
         }
     }

@@ -49,7 +49,7 @@ impl Positions {
 /// A run of faces that the file gives a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// The file's name for it; empty where it has none.
+    /// The file's name for it, of which 255 bytes are kept; empty where it has none.
     pub name: String,
     /// Its faces.
     pub faces: Range<u32>,
@@ -127,6 +127,11 @@ impl fmt::Debug for Original {
     }
 }
 
+/// As much of a name as is kept: thousands of groups may share one, and it may be of any length.
+pub(crate) fn short_name(name: &str) -> &str {
+    &name[..name.floor_char_boundary(255)]
+}
+
 /// What a reader had to repair or skip, in a sentence, or only wants to mention.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Note {
@@ -179,8 +184,9 @@ impl Soup {
     ///
     /// Panics when an index is out of range or there are 2^32 / 3 faces or more.
     pub fn new(positions: Positions, triangles: Vec<[u32; 3]>) -> Self {
-        let count = positions.len() as u64;
-        assert!(triangles.iter().flatten().all(|&i| u64::from(i) < count), "vertex index out of range");
+        // The largest of all is found faster than the first that is too large.
+        let largest = triangles.as_flattened().iter().fold(0, |largest, &i| largest.max(i));
+        assert!(triangles.is_empty() || (largest as usize) < positions.len(), "vertex index out of range");
         let faces = face_count(triangles.len());
         Soup {
             positions,

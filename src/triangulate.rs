@@ -9,6 +9,23 @@ use glam::{DVec2, DVec3};
 /// Above this many corners a concave polygon becomes a fan: in the worst case ear clipping takes cubic time.
 const MOST_EARS: usize = 1000;
 
+/// What ear clipping may still take, in corners held against an ear. It goes with the square of a
+/// polygon's corners, in bad cases with the cube, so that a file of a megabyte could take minutes.
+#[derive(Debug)]
+pub(crate) struct Effort(u64);
+
+impl Effort {
+    /// What each corner adds: polygons of 300 corners need as much.
+    const PER_CORNER: u64 = 1000;
+}
+
+impl Default for Effort {
+    /// Enough for some dozen polygons of a thousand corners, less than half a second.
+    fn default() -> Self {
+        Effort(1 << 27)
+    }
+}
+
 /// How [`triangulate`] went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -18,8 +35,14 @@ pub(crate) enum Outcome {
     Rough,
 }
 
-/// Appends `corners.len() - 2` triangles over the corners of a polygon.
-pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, out: &mut Vec<[u32; 3]>) -> Outcome {
+/// Appends `corners.len() - 2` triangles over the corners of a polygon. `effort` is what all polygons
+/// of a file share.
+pub(crate) fn triangulate(
+    corners: &[u32],
+    position: impl Fn(u32) -> DVec3,
+    effort: &mut Effort,
+    out: &mut Vec<[u32; 3]>,
+) -> Outcome {
     if let [a, b, c] = *corners {
         out.push([a, b, c]);
         return Outcome::Exact;
@@ -31,7 +54,8 @@ pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, out:
         out.extend((1..n.max(2) - 1).map(|i| [corners[0], corners[i], corners[i + 1]]));
         return if convex { Outcome::Exact } else { Outcome::Rough };
     }
-    clip_ears(corners, &flat, out)
+    effort.0 += n as u64 * Effort::PER_CORNER;
+    clip_ears(corners, &flat, effort, out)
 }
 
 /// The outline seen against its normal (Newell's), so that it runs counter-clockwise.
@@ -63,15 +87,15 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - b)
 }
 
-fn clip_ears(corners: &[u32], flat: &[DVec2], out: &mut Vec<[u32; 3]>) -> Outcome {
+fn clip_ears(corners: &[u32], flat: &[DVec2], effort: &mut Effort, out: &mut Vec<[u32; 3]>) -> Outcome {
     let mut rest: Vec<usize> = (0..corners.len()).collect();
     let mut at = 0;
     while rest.len() > 3 {
         let n = rest.len();
         let around = |i: usize| [rest[(i + n - 1) % n], rest[i % n], rest[(i + 1) % n]];
         // Going on from the last ear spreads the triangles instead of fanning around one corner.
-        let Some(ear) = (at..at + n).find(|&i| is_ear(&rest, flat, around(i))) else {
-            // The outline crosses itself: no rule makes sense of the rest.
+        let Some(ear) = (at..at + n).find(|&i| effort.0 > 0 && is_ear(&rest, flat, around(i), effort)) else {
+            // The outline crosses itself, so that no rule makes sense of the rest, or it takes too long.
             out.extend((1..n - 1).map(|i| [rest[0], rest[i], rest[i + 1]].map(|i| corners[i])));
             return Outcome::Rough;
         };
@@ -85,14 +109,20 @@ fn clip_ears(corners: &[u32], flat: &[DVec2], out: &mut Vec<[u32; 3]>) -> Outcom
 }
 
 /// True when the corner's triangle has an area and no other corner lies in it or on its rim.
-fn is_ear(rest: &[usize], flat: &[DVec2], ear: [usize; 3]) -> bool {
+fn is_ear(rest: &[usize], flat: &[DVec2], ear: [usize; 3], effort: &mut Effort) -> bool {
     let [a, b, c] = ear.map(|i| flat[i]);
-    turn(a, b, c) > 0.0
-        && rest.iter().filter(|i| !ear.contains(i)).all(|&i| {
-            let p = flat[i];
-            // The same point twice is a bridge to a hole, not an obstacle.
-            p == a || p == b || p == c || turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0
-        })
+    let blocks = |&i: &usize| {
+        let p = flat[i];
+        // The same point twice is a bridge to a hole, not an obstacle; the ear's own corners are none.
+        let outside = p == a || p == b || p == c || turn(a, b, p) < 0.0 || turn(b, c, p) < 0.0 || turn(c, a, p) < 0.0;
+        !outside
+    };
+    if turn(a, b, c).is_nan() || turn(a, b, c) <= 0.0 {
+        return false;
+    }
+    let obstacle = rest.iter().position(blocks);
+    effort.0 = effort.0.saturating_sub(obstacle.unwrap_or(rest.len()) as u64 + 1);
+    obstacle.is_none()
 }
 
 #[cfg(test)]
@@ -107,7 +137,7 @@ mod tests {
             let [x, y] = outline[i as usize];
             DVec3::new(x, y, 0.3 * x - 0.2 * y)
         };
-        let outcome = triangulate(&corners, lift, &mut out);
+        let outcome = triangulate(&corners, lift, &mut Effort::default(), &mut out);
         (out, outcome)
     }
 
@@ -156,6 +186,20 @@ mod tests {
         let area: f64 = areas(&ring, &triangles).iter().sum();
         assert_eq!(triangles.len(), 8);
         assert!((area - 12.0).abs() < 1e-12, "{area}");
+    }
+
+    #[test]
+    fn what_takes_too_long_becomes_a_fan() {
+        let n = 200;
+        let around = |i: usize| (i as f64 / n as f64 * std::f64::consts::TAU).sin_cos();
+        let outline: Vec<[f64; 2]> =
+            (0..n).map(|i| (around(i), if i % 2 == 0 { 1.0 } else { 0.1 })).map(|((y, x), r)| [x * r, y * r]).collect();
+        assert_eq!(run(&outline).1, Outcome::Exact);
+        let corners: Vec<u32> = (0..n as u32).collect();
+        let flat: Vec<DVec2> = outline.iter().map(|&p| DVec2::from_array(p)).collect();
+        let (mut out, mut effort) = (Vec::new(), Effort(5000));
+        assert_eq!(clip_ears(&corners, &flat, &mut effort, &mut out), Outcome::Rough);
+        assert_eq!((out.len(), effort.0), (n - 2, 0));
     }
 
     #[test]

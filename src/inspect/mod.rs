@@ -39,9 +39,14 @@ pub struct SceneSummary {
     pub instances: usize,
     /// Faces of all instances together.
     pub faces: usize,
-    /// Extent of all instances.
+    /// Extent of all instances. Of a mesh that is placed very many times, the further ones count
+    /// with the box around it, which is larger than itself where it is turned.
     pub bounds: Option<Bounds>,
 }
+
+/// Corners that are placed one by one; from there on it is boxes, so that time does not go with
+/// instances times faces.
+const MOST_PLACED: usize = 1 << 24;
 
 /// What [`inspect`] finds. Serialises to the object that `inspect --format json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -161,6 +166,7 @@ fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
 /// Places every mesh of the scene.
 fn summarise(scene: &Scene, mesh: &Mesh) -> SceneSummary {
     let mut summary = SceneSummary { instances: 0, faces: 0, bounds: None };
+    let mut boxes: Vec<Option<Option<Bounds>>> = vec![None; mesh.bodies().len()];
     let mut open: Vec<(usize, DMat4)> = scene.roots.iter().map(|&root| (root, DMat4::IDENTITY)).collect();
     while let Some((n, parent)) = open.pop() {
         let node = &scene.nodes[n];
@@ -170,8 +176,13 @@ fn summarise(scene: &Scene, mesh: &Mesh) -> SceneSummary {
             let faces = mesh.bodies()[body].faces.clone();
             summary.instances += 1;
             summary.faces += faces.len();
-            let corners = faces.flat_map(|f| mesh.triangle(Face(f))).filter(|p| p.is_finite());
-            let here = Bounds::of(corners.map(|p: DVec3| global.transform_point3(p)));
+            let corners = faces.flat_map(|f| mesh.triangle(Face(f))).filter(|p: &DVec3| p.is_finite());
+            let here = if 3 * summary.faces <= MOST_PLACED {
+                Bounds::of(corners.map(|p| global.transform_point3(p)))
+            } else {
+                let around = boxes[body].get_or_insert_with(|| Bounds::of(corners));
+                around.and_then(|b| Bounds::of(b.corners().map(|p| global.transform_point3(p))))
+            };
             summary.bounds = match (summary.bounds, here) {
                 (Some(a), Some(b)) => Some(Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }),
                 (a, b) => a.or(b),

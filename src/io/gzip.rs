@@ -4,11 +4,12 @@ use crate::error::ParseError;
 use flate2::bufread::GzDecoder;
 use std::io::Read;
 
-/// What a compressed file may always expand to.
-const FREE: u64 = 64 << 20;
+/// What a compressed file may always expand to: the same few faces over and over, which compress best,
+/// would be two million of them.
+const FREE: u64 = 8 << 20;
 /// Beyond that, bytes for each compressed byte. Text of meshes shrinks to a fifth or a tenth; a
 /// thousandth, gzip's best, is not reached by anything worth reading.
-const MOST_EXPANSION: u64 = 200;
+const MOST_EXPANSION: u64 = 50;
 
 pub(super) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b, 8])
@@ -28,7 +29,7 @@ pub(super) fn decompress(bytes: &[u8]) -> Result<Vec<u8>, ParseError> {
         })?;
         if out.len() as u64 > limit {
             return Err(ParseError::file(format!(
-                "the gzip data expands to more than {limit} bytes, {MOST_EXPANSION} times its size; decompress it yourself if it is to be trusted"
+                "the gzip data expands to more than {limit} bytes, which no mesh of its size does; decompress it yourself if it is to be trusted"
             )));
         }
         // Padding behind the last member is nobody's mesh.

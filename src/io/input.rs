@@ -6,7 +6,8 @@ use crate::error::{Error, ParseError};
 use crate::progress::{Progress, Stage};
 use crate::soup::{Original, Soup};
 use std::borrow::Cow;
-use std::io::Read;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -122,33 +123,48 @@ pub fn read(path: &Path, progress: &dyn Progress) -> Result<(Soup, InputFormat),
 /// # Errors
 /// [`Error::Io`] when the file cannot be read, [`Error::Parse`] when its content is not a mesh.
 pub fn read_with(path: &Path, options: &ReadOptions, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
-    let bytes = load(path, progress)?;
-    let result = decode(bytes, path, options);
+    let result = read_from(path, options, progress);
     progress.end();
-    result.map_err(|e| Error::parse(called(path), e))
+    result
 }
 
-/// The name of an input in messages.
-fn called(path: &Path) -> &Path {
-    if is_standard_input(path) { Path::new("standard input") } else { path }
-}
+/// What is read from a file at a time: little enough to stay in the processor's cache.
+const WINDOW: usize = 1 << 18;
 
-fn load(path: &Path, progress: &dyn Progress) -> Result<Vec<u8>, Error> {
+fn read_from(path: &Path, options: &ReadOptions, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
     let failed = |e| Error::io(called(path), "read", e);
+    let parse = |bytes| decode(bytes, path, options).map_err(|e| Error::parse(called(path), e));
+    let mut bytes = Vec::new();
     if is_standard_input(path) {
         progress.begin(Stage::Read, 0);
-        let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
-        return Ok(bytes);
+        io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
+        return parse(bytes);
     }
     let metadata = std::fs::metadata(path).map_err(failed)?;
     if metadata.is_dir() {
         return Err(Error::Usage(format!("{}: is a folder; name a mesh file in it", path.display())));
     }
-    progress.begin(Stage::Read, metadata.len());
-    let bytes = std::fs::read(path).map_err(failed)?;
+    let length = metadata.len();
+    progress.begin(Stage::Read, length);
+    let mut stream = BufReader::with_capacity(WINDOW, File::open(path).map_err(failed)?);
+    if matches!(options.format, None | Some(InputFormat::Stl)) {
+        // The one format that tells by its first bytes and its length what it is and how it goes on.
+        let count = stl::binary_count(stream.fill_buf().map_err(failed)?, length);
+        if let Some(soup) = count.and_then(|count| stl::read_stream(&mut stream, count)) {
+            let soup = soup.map_err(failed)?;
+            progress.advance(length);
+            return Ok((soup, InputFormat::Stl));
+        }
+    }
+    bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX)).map_err(|e| failed(e.into()))?;
+    stream.read_to_end(&mut bytes).map_err(failed)?;
     progress.advance(bytes.len() as u64);
-    Ok(bytes)
+    parse(bytes)
+}
+
+/// The name of an input in messages.
+fn called(path: &Path) -> &Path {
+    if is_standard_input(path) { Path::new("standard input") } else { path }
 }
 
 fn decode(bytes: Vec<u8>, path: &Path, options: &ReadOptions) -> Result<(Soup, InputFormat), ParseError> {

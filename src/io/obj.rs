@@ -7,8 +7,8 @@
 use super::folders::Folders;
 use super::text::{self, Lines, Words};
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
-use crate::triangulate::{Outcome, triangulate};
+use crate::soup::{Group, MAX_FACES, Note, Positions, Soup, short_name};
+use crate::triangulate::{Effort, Outcome, triangulate};
 use glam::DVec3;
 
 /// True when one of the first lines is a vertex or face statement.
@@ -19,6 +19,9 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
             matches!(words.next(), Some(b"v")) && words.take(3).filter(|word| text::number(word).is_some()).count() == 3
         })
 }
+
+/// Statements of material files, and names in one of them, that are looked for.
+const MOST_LIBRARIES: usize = 100;
 
 /// Polygons as read, before all positions are known: a face may name a vertex of a later line.
 #[derive(Default)]
@@ -72,11 +75,14 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
                 let full = match (object.as_str(), group.as_str()) {
                     ("", "") => material.clone(),
                     (name, "") | ("", name) => name.to_owned(),
-                    (object, group) => format!("{object}/{group}"),
+                    (object, group) => short_name(&format!("{object}/{group}")).to_owned(),
                 };
                 groups.push((full, polygons.ends.len()));
             }
-            Some(b"mtllib") => libraries.push((line, text::name(&content.trim_ascii()[b"mtllib".len()..]))),
+            Some(b"mtllib") if libraries.len() < MOST_LIBRARIES => {
+                let names = String::from_utf8_lossy(content.trim_ascii()[b"mtllib".len()..].trim_ascii());
+                libraries.push((line, names.into_owned()));
+            }
             // Everything else concerns looks, curves or points.
             _ => {}
         }
@@ -96,7 +102,12 @@ fn look_for(libraries: &[(u64, String)], folders: Folders<'_>, soup: &mut Soup) 
         // Names may hold spaces, and a line may hold several names.
         let found = match folders.find(names) {
             Ok(file) => vec![Ok(file)],
-            Err(_) => names.split_whitespace().map(|name| folders.find(name).map_err(|why| (name, why))).collect(),
+            Err(why) => {
+                let each = names.split_whitespace().take(MOST_LIBRARIES);
+                let each: Vec<_> = each.map(|name| folders.find(name).map_err(|why| (name, why))).collect();
+                // Where none is there, it may as well be one name with spaces.
+                if each.iter().any(Result::is_ok) { each } else { vec![Err((names.as_str(), why))] }
+            }
         };
         for file in found {
             match file {
@@ -200,7 +211,7 @@ fn build(
     too_few: &[u64],
 ) -> Result<Soup, ParseError> {
     let mut triangles = Vec::with_capacity(polygons.corners.len() - 2 * polygons.ends.len());
-    let mut rough = 0;
+    let (mut rough, mut effort) = (0, Effort::default());
     let mut spans: Vec<Group> = Vec::new();
     let mut next_group = groups.iter().peekable();
     let mut start = 0;
@@ -209,7 +220,9 @@ fn build(
             begin_group(&mut spans, name, triangles.len() as u32);
         }
         let corners = &polygons.corners[start..end];
-        if triangulate(corners, |c| DVec3::from_array(positions[c as usize]), &mut triangles) == Outcome::Rough {
+        if triangulate(corners, |c| DVec3::from_array(positions[c as usize]), &mut effort, &mut triangles)
+            == Outcome::Rough
+        {
             rough += 1;
         }
         start = end;
@@ -230,7 +243,7 @@ fn build(
     }
     if rough > 0 {
         soup.notes.push(Note::info(format!(
-            "{rough} polygons cross themselves or have no area; their triangles may overlap"
+            "{rough} polygons cross themselves, have no area or are too long; their triangles may overlap"
         )));
     }
     Ok(soup)
@@ -313,6 +326,8 @@ mod tests {
             let soup = read_in(library);
             assert!(soup.notes.is_empty() && soup.files.len() == 1, "{:?}", soup.notes);
         }
+        let soup = read_in("one name with spaces.mtl");
+        assert!(soup.notes.len() == 1 && soup.notes[0].message.contains("\"one name with spaces.mtl\""));
         for library in ["a.mtl gone.mtl", "../b.mtl a.mtl", "gone.mtl a.mtl"] {
             let soup = read_in(library);
             assert_eq!((soup.notes.len(), soup.files.len()), (1, 1), "{:?}", soup.notes);

@@ -2,94 +2,110 @@
 
 use crate::error::ParseError;
 use crate::soup::{MAX_FACES, Note, Positions, Soup};
-use crate::triangulate::{Outcome, triangulate};
+use crate::triangulate::{Effort, Outcome, triangulate};
 
 /// Polygons as read. Corners are checked at the end: faces may come before the vertices.
 #[derive(Default)]
 pub(super) struct Polygons {
+    /// The polygons before the first that is no triangle: mostly all of them, and then these become
+    /// the soup's without a copy.
+    triangles: Vec<[u32; 3]>,
+    /// The corners of the polygons from there on, and behind them those of the current one.
     corners: Vec<u32>,
-    /// The corners of polygons that have ended.
-    ended: usize,
-    /// The end of each polygon in `corners`; `None` as long as all are triangles, as most are.
-    ends: Option<Vec<usize>>,
+    /// The end of each polygon in `corners`.
+    ends: Vec<usize>,
     too_few: usize,
 }
 
 impl Polygons {
+    /// Makes room for so many triangles, which must be known to be there.
+    pub(super) fn reserve(&mut self, triangles: usize) {
+        self.triangles.reserve(triangles);
+    }
+
     /// Adds a corner to the current polygon or strip.
     #[inline]
     pub(super) fn corner(&mut self, vertex: u32) {
         self.corners.push(vertex);
     }
 
+    /// Adds a triangle. There must be no current polygon.
+    #[inline]
+    pub(super) fn triangle(&mut self, corners: [u32; 3]) {
+        if self.ends.is_empty() {
+            self.triangles.push(corners);
+        } else {
+            self.corners.extend(corners);
+            self.ends.push(self.corners.len());
+        }
+    }
+
     /// Ends the current polygon.
     #[inline]
     pub(super) fn end_face(&mut self) {
-        let corners = self.corners.len() - self.ended;
-        if corners < 3 {
-            self.corners.truncate(self.ended);
-            self.too_few += 1;
-            return;
+        let ended = self.ended();
+        match self.corners[ended..] {
+            [] | [_] | [_, _] => {
+                self.corners.truncate(ended);
+                self.too_few += 1;
+            }
+            [a, b, c] if self.ends.is_empty() => {
+                self.triangles.push([a, b, c]);
+                self.corners.clear();
+            }
+            _ => self.ends.push(self.corners.len()),
         }
-        if corners > 3 && self.ends.is_none() {
-            self.ends = Some((1..=self.ended / 3).map(|i| 3 * i).collect());
-        }
-        self.ended = self.corners.len();
-        if let Some(ends) = &mut self.ends {
-            ends.push(self.ended);
-        }
+    }
+
+    /// The corners of polygons that have ended.
+    #[inline]
+    fn ended(&self) -> usize {
+        self.ends.last().copied().unwrap_or(0)
     }
 
     /// Ends the current strip: its corners become triangles.
     pub(super) fn end_strip(&mut self) {
-        let strip = self.corners.split_off(self.ended);
+        let strip = self.corners.split_off(self.ended());
         for (i, t) in strip.windows(3).enumerate() {
             let [a, b, c] = [t[0], t[1], t[2]];
             // Every other triangle of a strip runs backwards; a repeated corner only moves the strip on.
             if a != b && b != c && c != a {
-                self.corners.extend(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
-                self.end_face();
+                self.triangle(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
             }
         }
     }
 
     /// The triangles over `positions`. Polygons that name other vertices are left out and told.
     pub(super) fn into_soup(self, positions: Positions) -> Result<Soup, ParseError> {
-        if self.ended == 0 {
+        if self.triangles.is_empty() && self.ends.is_empty() {
             return Err(ParseError::file("there are no faces: a point cloud must be meshed first"));
         }
         let count = positions.len();
-        let polygons = self.ends.as_ref().map_or(self.ended / 3, Vec::len);
-        let most = self.ended - 2 * polygons;
-        if most > MAX_FACES {
+        let more = self.ended() - 2 * self.ends.len();
+        if self.triangles.len() + more > MAX_FACES {
             return Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")));
         }
-        let mut triangles = Vec::with_capacity(most);
-        let (mut rough, mut out_of_range, mut first_out) = (0, 0, 0);
-        let mut add = |face: usize, corners: &[u32]| {
-            if corners.iter().any(|&c| c as usize >= count) {
-                if out_of_range == 0 {
-                    first_out = face;
-                }
-                out_of_range += 1;
-            } else if triangulate(corners, |c| positions.get(c as usize), &mut triangles) == Outcome::Rough {
+        let mut outside = Outside::default();
+        let mut triangles = self.triangles;
+        let before = triangles.len();
+        let largest = triangles.as_flattened().iter().fold(0, |largest, &corner| largest.max(corner));
+        if largest as usize >= count {
+            let mut face = 0;
+            triangles.retain(|corners| {
+                face += 1;
+                outside.all_inside(face - 1, corners, count)
+            });
+        }
+        triangles.reserve_exact(more);
+        let (mut rough, mut start, mut effort) = (0, 0, Effort::default());
+        for (i, &end) in self.ends.iter().enumerate() {
+            let corners = &self.corners[start..end];
+            if outside.all_inside(before + i, corners, count)
+                && triangulate(corners, |c| positions.get(c as usize), &mut effort, &mut triangles) == Outcome::Rough
+            {
                 rough += 1;
             }
-        };
-        match &self.ends {
-            None => self.corners[..self.ended]
-                .as_chunks::<3>()
-                .0
-                .iter()
-                .enumerate()
-                .for_each(|(face, corners)| add(face, corners)),
-            Some(ends) => {
-                let mut start = 0;
-                for (face, &end) in ends.iter().enumerate() {
-                    add(face, &self.corners[start..end]);
-                    start = end;
-                }
-            }
+            start = end;
         }
         if triangles.is_empty() {
             return Err(ParseError::file(format!(
@@ -97,9 +113,10 @@ impl Polygons {
             )));
         }
         let mut soup = Soup::new(positions, triangles);
-        if out_of_range > 0 {
+        if let Outside { faces: 1.., first } = outside {
             soup.notes.push(Note::repaired(format!(
-                "{out_of_range} faces name vertices out of range ({count} vertices) and are left out, the first is face {first_out}"
+                "{} faces name vertices out of range ({count} vertices) and are left out, the first is face {first}",
+                outside.faces
             )));
         }
         if self.too_few > 0 {
@@ -108,9 +125,30 @@ impl Polygons {
         }
         if rough > 0 {
             soup.notes.push(Note::info(format!(
-                "{rough} polygons cross themselves or have no area; their triangles may overlap"
+                "{rough} polygons cross themselves, have no area or are too long; their triangles may overlap"
             )));
         }
         Ok(soup)
+    }
+}
+
+/// Polygons that name vertices out of range.
+#[derive(Default)]
+struct Outside {
+    faces: usize,
+    first: usize,
+}
+
+impl Outside {
+    /// True when all corners are below `count`; otherwise the face is counted.
+    fn all_inside(&mut self, face: usize, corners: &[u32], count: usize) -> bool {
+        let inside = corners.iter().all(|&corner| (corner as usize) < count);
+        if !inside {
+            if self.faces == 0 {
+                self.first = face;
+            }
+            self.faces += 1;
+        }
+        inside
     }
 }

@@ -1,20 +1,26 @@
 //! STL, binary and ASCII.
 //!
-//! Binary files go through `stl_io`, which is handed a neutral header with the number of triangles
-//! that the file really holds. ASCII files are read here: `stl_io` refuses much of what CAD programs
-//! and printers write (see docs/decisions.md).
+//! Binary files are read in windows, so that a file of gigabytes is never in memory besides its
+//! triangles; their number is that which the file really holds, whatever its header says.
 
-use super::text::{self, Lines};
+use super::text::{self, Lines, Words};
 use crate::error::ParseError;
 use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
-use std::io::{Chain, Cursor, Read, Seek, SeekFrom};
+use std::array::from_fn;
+use std::io::{self, BufRead};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 /// True when the file's size is just what the count in its header asks for.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    declared(bytes).is_some_and(|count| (HEADER as u64 + RECORD as u64 * count) == bytes.len() as u64)
+    binary_count(bytes, bytes.len() as u64).is_some()
+}
+
+/// The number of triangles of a binary file that is as long as its header says, by its first bytes
+/// and its length.
+pub(super) fn binary_count(start: &[u8], length: u64) -> Option<u64> {
+    declared(start).filter(|count| HEADER as u64 + RECORD as u64 * count == length)
 }
 
 /// True when the file begins as an ASCII STL and goes on as one.
@@ -81,56 +87,48 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
             notes.push(Note::repaired(format!("{extra} bytes after the last of {count} triangles are ignored")));
         }
     }
-    let mut positions = Vec::with_capacity(3 * count as usize);
-    let mut source = Neutral::new(count as u32, body);
-    let triangles =
-        stl_io::create_stl_reader(&mut source).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
-    for (i, triangle) in triangles.enumerate() {
-        let at = (HEADER + RECORD * i) as u64;
-        let triangle = triangle.map_err(|e| ParseError::byte(at, e.to_string()))?;
-        positions.extend(triangle.vertices.map(|v| v.0));
-    }
-    let mut soup = Soup::new(Positions::F32(positions), corners_in_order(count as u32));
+    let records = &mut &body[..RECORD * count as usize];
+    let mut soup = read_records(records, count as usize).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
     soup.notes = notes;
     Ok(soup)
 }
 
-fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
-    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
+/// Reads a binary file from its first byte on, as far as [`binary_count`] says; `None` where there
+/// are no triangles, or more than can be handled.
+pub(super) fn read_stream(stream: &mut impl BufRead, count: u64) -> Option<io::Result<Soup>> {
+    let count = usize::try_from(count).ok().filter(|count| (1..=MAX_FACES).contains(count))?;
+    Some(stream.read_exact(&mut [0; HEADER]).and_then(|()| read_records(stream, count)))
 }
 
-/// A binary STL whose header cannot be taken for ASCII and whose count is right.
-struct Neutral<'b> {
-    header: [u8; HEADER],
-    body: &'b [u8],
-    stream: Chain<Cursor<[u8; HEADER]>, &'b [u8]>,
-}
-
-impl<'b> Neutral<'b> {
-    fn new(count: u32, body: &'b [u8]) -> Self {
-        let mut header = [0; HEADER];
-        header[80..].copy_from_slice(&count.to_le_bytes());
-        Neutral { header, body, stream: Cursor::new(header).chain(body) }
-    }
-}
-
-impl Read for Neutral<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        self.stream.read(buffer)
-    }
-}
-
-/// `stl_io` looks at the header and goes back to the start; nothing else is needed of it.
-impl Seek for Neutral<'_> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        match to {
-            SeekFrom::Start(0) => {
-                self.stream = Cursor::new(self.header).chain(self.body);
-                Ok(0)
-            }
-            _ => Err(std::io::ErrorKind::Unsupported.into()),
+/// Reads triangles of 50 bytes each: a normal, three corners and two bytes that are nobody's.
+fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
+    let mut corners: Vec<[[f32; 3]; 3]> = Vec::new();
+    corners.try_reserve_exact(count)?;
+    while corners.len() < count {
+        let (whole, _) = stream.fill_buf()?.as_chunks::<RECORD>();
+        let whole = &whole[..whole.len().min(count - corners.len())];
+        corners.extend(whole.iter().map(corners_of));
+        let used = RECORD * whole.len();
+        if used > 0 {
+            stream.consume(used);
+        } else {
+            // It begins in one window and ends in the next.
+            let mut record = [0; RECORD];
+            stream.read_exact(&mut record)?;
+            corners.push(corners_of(&record));
         }
     }
+    Ok(Soup::new(Positions::F32(corners.into_flattened()), corners_in_order(count as u32)))
+}
+
+#[inline]
+fn corners_of(record: &[u8; RECORD]) -> [[f32; 3]; 3] {
+    let (values, _) = record.as_chunks::<4>();
+    from_fn(|corner| from_fn(|axis| f32::from_le_bytes(values[3 + 3 * corner + axis])))
+}
+
+fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
+    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
 }
 
 fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
@@ -153,6 +151,24 @@ fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
         cut = Some(last);
     }
     ascii.into_soup(cut)
+}
+
+/// The words from the first facet on, or none. A name before it may be anything, the word facet
+/// included; a facet has a normal or a loop.
+fn first_facet(mut words: Words<'_>) -> Words<'_> {
+    let is = |word: &[u8], keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
+    loop {
+        let here = words;
+        match words.next() {
+            Some(word) if is(word, b"facet") => {
+                if { words }.next().is_some_and(|next| is(next, b"normal") || is(next, b"outer")) {
+                    return here;
+                }
+            }
+            Some(_) => {}
+            None => return words,
+        }
+    }
 }
 
 /// An ASCII file as far as it has been read.
@@ -205,15 +221,12 @@ impl Ascii {
                 b"outer" | b"loop" | b"endloop" => {}
                 b"solid" => {
                     let start = (self.positions.len() / 3) as u32;
-                    let rest: Vec<&[u8]> = words.collect();
-                    // A name may be anything, the word facet included; a facet has a normal or a loop.
-                    let is = |word: &[u8], keyword: &[u8]| word.eq_ignore_ascii_case(keyword);
-                    let facet =
-                        rest.windows(2).position(|w| is(w[0], b"facet") && (is(w[1], b"normal") || is(w[1], b"outer")));
-                    let (name, rest) = rest.split_at(facet.unwrap_or(rest.len()));
-                    self.solids.push(Group { name: text::name(&name.join(&b' ')), faces: start..start });
+                    let from = words.rest();
+                    let facet = first_facet(words);
+                    let name = text::name(&from[..from.len() - facet.rest().len()]);
+                    self.solids.push(Group { name, faces: start..start });
                     self.ended = false;
-                    return if rest.is_empty() { Ok(()) } else { self.line(line, &rest.join(&b' ')) };
+                    words = facet;
                 }
                 b"endsolid" => {
                     self.ended = true;
@@ -297,6 +310,25 @@ mod tests {
         let mut cut = binary(b"", 3, 3);
         cut.truncate(cut.len() - 1);
         assert_eq!(read(&cut).expect("readable").face_count(), 2);
+    }
+
+    #[test]
+    fn windows_of_any_size_show_the_same() {
+        let bytes = binary(b"windows", 7, 7);
+        let whole = read(&bytes).expect("readable");
+        let theirs: Vec<[f32; 3]> = stl_io::create_stl_reader(&mut io::Cursor::new(&bytes))
+            .expect("stl_io reads it")
+            .flat_map(|triangle| triangle.expect("a triangle").vertices.map(|v| v.0))
+            .collect();
+        assert_eq!(whole.positions, Positions::F32(theirs));
+        for window in [1, 49, 50, 51, 84, 130, 1000] {
+            let mut stream = io::BufReader::with_capacity(window, bytes.as_slice());
+            let soup = read_stream(&mut stream, 7).expect("some triangles").expect("readable");
+            assert_eq!(soup, whole, "{window}");
+            let mut cut = io::BufReader::with_capacity(window, &bytes[..bytes.len() - 1]);
+            read_stream(&mut cut, 7).expect("some triangles").expect_err("a file that shrinks while it is read");
+        }
+        assert!(read_stream(&mut &bytes[..], 0).is_none() && read_stream(&mut &bytes[..], u64::MAX).is_none());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Lines and numbers of text formats, as bytes: names in old files are in any encoding.
 
+use crate::soup::short_name;
 use std::borrow::Cow;
 
 /// Lines with their numbers, counted from 1; ends of line are LF, CR LF or CR.
@@ -126,10 +127,12 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
     format!("\"{text}{}\"", if bytes.len() > MOST { "..." } else { "" })
 }
 
-/// A name as text, whatever its encoding.
+/// A name as text, whatever its encoding, as far as names are kept.
 pub(super) fn name(bytes: &[u8]) -> String {
-    let name: Cow<'_, str> = String::from_utf8_lossy(bytes.trim_ascii());
-    name.into_owned()
+    let bytes = bytes.trim_ascii();
+    // Decoding is left with enough to find the end of a character.
+    let name: Cow<'_, str> = String::from_utf8_lossy(&bytes[..bytes.len().min(260)]);
+    short_name(&name).to_owned()
 }
 
 /// The text of a file in UTF-16 with a byte order mark.

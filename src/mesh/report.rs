@@ -35,6 +35,14 @@ impl Bounds {
         })
     }
 
+    /// The eight corners of the box.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let of = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(of(0), of(1), of(2))
+        })
+    }
+
     /// Edge lengths of the box.
     pub fn size(&self) -> DVec3 {
         self.max - self.min

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-type Files = Vec<(String, Vec<u8>)>;
+pub(super) type Files = Vec<(String, Vec<u8>)>;
 
 /// All files, with names that tell what is wrong with them.
 pub(crate) fn files() -> Files {
@@ -204,7 +204,7 @@ fn off(files: &mut Files) {
 }
 
 /// A GLB with five vertices and the indices 0 to 2, 2, 1, 3 after `change`.
-fn glb(change: impl FnOnce(&mut Value)) -> Vec<u8> {
+pub(super) fn glb(change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let corners: [[f32; 3]; 5] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [2.0, 2.0, 1.0]];
     let mut bin: Vec<u8> = corners.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
     bin.extend([0, 1, 2, 2, 1, 3, 0, 0]);
@@ -223,7 +223,7 @@ fn glb(change: impl FnOnce(&mut Value)) -> Vec<u8> {
     glb_of(&document.to_string(), &bin)
 }
 
-fn glb_of(json: &str, bin: &[u8]) -> Vec<u8> {
+pub(super) fn glb_of(json: &str, bin: &[u8]) -> Vec<u8> {
     let json = format!("{json}{}", " ".repeat(json.len().next_multiple_of(4) - json.len()));
     let bin = [bin, &vec![0; bin.len().next_multiple_of(4) - bin.len()]].concat();
     let length = (28 + json.len() + bin.len()) as u32;
@@ -359,7 +359,7 @@ fn meshopt(files: &mut Files) {
     }
 }
 
-fn zip_of(parts: &[(&str, &str)]) -> Vec<u8> {
+pub(super) fn zip_of(parts: &[(&str, &str)]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in parts {
         writer.start_file(*name, zip::write::SimpleFileOptions::default()).expect("a new file");
@@ -368,11 +368,15 @@ fn zip_of(parts: &[(&str, &str)]) -> Vec<u8> {
     writer.finish().expect("a vector takes all").into_inner()
 }
 
+pub(super) fn threemf_of(objects: &str, items: &str) -> Vec<u8> {
+    let model = format!("<model><resources>{objects}</resources><build>{items}</build></model>");
+    zip_of(&[("3D/3dmodel.model", &model)])
+}
+
 fn threemf(files: &mut Files) {
     const MESH: &str = "<mesh><vertices><vertex x='0' y='0' z='0'/><vertex x='1' y='0' z='0'/><vertex x='0' y='1' z='0'/></vertices><triangles><triangle v1='0' v2='1' v3='2'/></triangles></mesh>";
     let mut add = |name: &str, objects: &str, items: &str| {
-        let model = format!("<model><resources>{objects}</resources><build>{items}</build></model>");
-        files.push((format!("{name}.3mf"), zip_of(&[("3D/3dmodel.model", &model)])));
+        files.push((format!("{name}.3mf"), threemf_of(objects, items)));
     };
     let object = format!("<object id='1'>{MESH}</object>");
     let item = "<item objectid='1'/>";
@@ -417,12 +421,13 @@ fn threemf(files: &mut Files) {
     files.push(("directory.3mf".into(), bytes));
 }
 
+pub(super) fn gzip(content: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(content).expect("a vector takes all");
+    encoder.finish().expect("a vector takes all")
+}
+
 fn packed(files: &mut Files) {
-    let gzip = |content: &[u8]| {
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-        encoder.write_all(content).expect("a vector takes all");
-        encoder.finish().expect("a vector takes all")
-    };
     let bomb = gzip(&vec![b' '; 100 << 20]);
     files.push(("bomb.obj.gz".into(), bomb.clone()));
     files.push(("twice.obj.gz".into(), gzip(&gzip(&bomb))));

@@ -4,12 +4,14 @@
 //! large scene are never read.
 
 use super::meshopt::{self, is_compressed};
-use super::uri::load;
+use super::uri::{decode_data_uri, find_external, is_data, read_external};
 use crate::error::ParseError;
 use crate::io::folders::Folders;
 use gltf_json::{Buffer, Index, buffer::View};
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
+use std::collections::HashMap;
+use std::path::PathBuf;
 
 /// Where the bytes of buffers can come from.
 pub(super) struct Source<'a> {
@@ -28,6 +30,11 @@ pub(super) struct Buffers<'a> {
     source: Source<'a>,
     meshopt_required: bool,
     loaded: Vec<OnceCell<Cow<'a, [u8]>>>,
+    /// The buffer that holds the bytes of each: another one where both name the same file, which is
+    /// in memory once however many do.
+    holders: Vec<Cell<usize>>,
+    /// Files that were read, and the buffers that hold them.
+    files: RefCell<HashMap<PathBuf, usize>>,
     /// Views that were compressed.
     decoded: Vec<OnceCell<Vec<u8>>>,
     /// Bytes of all decoded views.
@@ -36,8 +43,8 @@ pub(super) struct Buffers<'a> {
 
 /// What compressed views may always expand to together, and beyond that for each byte of input.
 /// Positions shrink to a tenth, constant ones to a thousandth.
-const FREE_DECODED: usize = 32 << 20;
-const MOST_EXPANSION: usize = 200;
+const FREE_DECODED: usize = 8 << 20;
+const MOST_EXPANSION: usize = 50;
 
 /// Equally spaced elements in a buffer, all inside the bytes that are really there.
 #[derive(Clone, Copy)]
@@ -59,6 +66,11 @@ impl<'a> Elements<'a> {
     pub(super) fn get(&self, index: usize) -> &'a [u8] {
         let start = index * self.stride;
         &self.bytes[start..start + self.size]
+    }
+
+    /// The bytes of all elements where there are none between them.
+    pub(super) fn side_by_side(&self) -> Option<&'a [u8]> {
+        (self.stride == self.size).then_some(self.bytes)
     }
 
     /// The bytes of all elements in order.
@@ -89,7 +101,9 @@ impl<'a> Buffers<'a> {
     pub(super) fn new(buffers: &'a [Buffer], views: &'a [View], meshopt_required: bool, source: Source<'a>) -> Self {
         let loaded = buffers.iter().map(|_| OnceCell::new()).collect();
         let decoded = views.iter().map(|_| OnceCell::new()).collect();
-        Buffers { buffers, views, source, meshopt_required, loaded, decoded, decoded_bytes: Cell::new(0) }
+        let holders = (0..buffers.len()).map(Cell::new).collect();
+        let (files, decoded_bytes) = (RefCell::default(), Cell::new(0));
+        Buffers { buffers, views, source, meshopt_required, loaded, holders, files, decoded, decoded_bytes }
     }
 
     /// Bytes read so far: what a document may reasonably be expanded from.
@@ -186,7 +200,7 @@ impl<'a> Buffers<'a> {
         let limit = FREE_DECODED.max(self.bytes_at_hand().saturating_mul(MOST_EXPANSION));
         let total = compression.decoded_length().and_then(|length| length.checked_add(self.decoded_bytes.get()));
         let total = total.filter(|&total| total <= limit).ok_or_else(|| {
-            failed(format!("it expands to more than {limit} bytes, {MOST_EXPANSION} times the file's size"))
+            failed(format!("it expands to more than {limit} bytes, which no mesh of the file's size does"))
         })?;
         let bytes = compression.decode(data).map_err(failed)?;
         self.decoded_bytes.set(total);
@@ -215,16 +229,25 @@ impl<'a> Buffers<'a> {
     /// All bytes of a buffer, loaded on the first call.
     fn data(&self, index: Index<Buffer>, view: usize) -> Result<&[u8], ParseError> {
         let index = index.value();
-        let (Some(buffer), Some(cell)) = (self.buffers.get(index), self.loaded.get(index)) else {
+        let (Some(buffer), Some(holder)) = (self.buffers.get(index), self.holders.get(index)) else {
             let what = format!("there is no buffer {index} among {}", self.buffers.len());
             return Err(ParseError::json(format!("bufferViews[{view}].buffer"), what));
         };
-        if let Some(bytes) = cell.get() {
+        if let Some(bytes) = self.loaded[holder.get()].get() {
             return Ok(bytes);
         }
+        let failed = |what| ParseError::json(format!("buffers[{index}].uri"), what);
         let bytes = match (&buffer.uri, self.source.bin) {
-            (Some(uri), _) => load(uri, self.source.folders)
-                .map_err(|what| ParseError::json(format!("buffers[{index}].uri"), what))?,
+            (Some(uri), _) if is_data(uri) => decode_data_uri(uri).map_err(failed)?,
+            (Some(uri), _) => {
+                let file = find_external(uri, self.source.folders).map_err(failed)?;
+                let first = *self.files.borrow_mut().entry(file.clone()).or_insert(index);
+                if let Some(bytes) = self.loaded[first].get() {
+                    holder.set(first);
+                    return Ok(bytes);
+                }
+                Cow::Owned(read_external(uri, &file).map_err(failed)?)
+            }
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
             (None, _) => {
                 let what =
@@ -232,7 +255,7 @@ impl<'a> Buffers<'a> {
                 return Err(ParseError::json(format!("buffers[{index}]"), what));
             }
         };
-        Ok(cell.get_or_init(|| bytes))
+        Ok(self.loaded[index].get_or_init(|| bytes))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Meshes and primitives: accessors put together into triangles.
 
-use super::accessor::Accessors;
+use super::accessor::{Accessors, Indices};
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note, PrimitiveFaces};
+use crate::soup::{Group, MAX_FACES, Note, PrimitiveFaces, short_name};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::{Accessor, Index, Mesh, validation::Checked};
 use serde::Deserialize;
@@ -122,7 +122,7 @@ impl<'a> Geometry<'a> {
                 let indices = self.accessors.indices(indices, &format!("{path}.indices"))?;
                 let corners = indices.len();
                 self.check_growth(path, first_face, face_bound(mode, corners), MAX_FACES)?;
-                (corners, assemble(mode, corners, |i| indices.get(i), &vertices, &mut self.triangles))
+                (corners, assemble_indexed(mode, &indices, &vertices, &mut self.triangles))
             }
         };
         if mode == Mode::Triangles && corners % 3 != 0 {
@@ -137,8 +137,8 @@ impl<'a> Geometry<'a> {
         }
         if self.triangles.len() > first_face {
             let material = primitive.material.and_then(|material| self.materials.get(material.value()));
-            let name = material.and_then(|material| material.name.clone()).unwrap_or_default();
-            self.groups.push(Group { name, faces: number(first_face)..number(self.triangles.len()) });
+            let name = material.and_then(|material| material.name.as_deref()).map(short_name).unwrap_or_default();
+            self.groups.push(Group { name: name.to_owned(), faces: number(first_face)..number(self.triangles.len()) });
         }
         Ok(())
     }
@@ -195,7 +195,7 @@ pub(super) fn corners_of(
         None => assemble(mode, count as usize, number, &(0..count), &mut triangles),
         Some(indices) => {
             let indices = accessors.indices(indices, &format!("{path}.indices"))?;
-            assemble(mode, indices.len(), |i| indices.get(i), &(0..count), &mut triangles)
+            assemble_indexed(mode, &indices, &(0..count), &mut triangles)
         }
     };
     Ok(triangles)
@@ -204,6 +204,22 @@ pub(super) fn corners_of(
 /// The most faces that so many corners can make.
 fn face_bound(mode: Mode, corners: usize) -> usize {
     if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) }
+}
+
+/// As [`assemble`], by the indices of a primitive.
+fn assemble_indexed(mode: Mode, indices: &Indices<'_>, vertices: &Range<u32>, out: &mut Vec<[u32; 3]>) -> usize {
+    let before = out.len();
+    if mode == Mode::Triangles && indices.append_triangles_to(out) {
+        let count = vertices.end - vertices.start;
+        let added = &mut out[before..];
+        let largest = added.as_flattened().iter().fold(0, |largest, &corner| largest.max(corner));
+        if largest < count {
+            added.as_flattened_mut().iter_mut().for_each(|corner| *corner += vertices.start);
+            return 0;
+        }
+        out.truncate(before);
+    }
+    assemble(mode, indices.len(), |i| indices.get(i), vertices, out)
 }
 
 /// Appends the triangles of a primitive, whose indices count from the start of `vertices`, and

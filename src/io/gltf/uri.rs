@@ -5,22 +5,28 @@ use base64::Engine;
 use base64::engine::general_purpose::{GeneralPurpose, PAD_INDIFFERENT};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+pub(super) fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+}
 
 /// The bytes behind a URI, or why there are none.
 pub(super) fn load<'a>(uri: &'a str, folders: Folders<'_>) -> Result<Cow<'a, [u8]>, String> {
-    match uri.get(..5) {
-        Some(scheme) if scheme.eq_ignore_ascii_case("data:") => decode_data_uri(&uri[5..]),
-        _ => read_external(uri, folders).map(Cow::Owned),
+    if is_data(uri) {
+        return decode_data_uri(uri);
     }
+    let file = find_external(uri, folders)?;
+    read_external(uri, &file).map(Cow::Owned)
 }
 
-/// The part of a data URI after `data:`. The media type is nobody's business here.
-fn decode_data_uri(rest: &str) -> Result<Cow<'_, [u8]>, String> {
+/// What a data URI holds. Its media type is nobody's business here.
+pub(super) fn decode_data_uri(uri: &str) -> Result<Cow<'_, [u8]>, String> {
     /// Reads what sloppy encoders write: padding missing, bits left over in the last symbol.
     const BASE64: GeneralPurpose =
         GeneralPurpose::new(&base64::alphabet::STANDARD, PAD_INDIFFERENT.with_decode_allow_trailing_bits(true));
 
-    let (header, content) = rest.split_once(',').ok_or("the data URI has no comma before its data")?;
+    let (header, content) = uri[5..].split_once(',').ok_or("the data URI has no comma before its data")?;
     let content: Cow<'_, [u8]> = percent_decode_str(content).into();
     let is_base64 = header.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
     if !is_base64 {
@@ -34,15 +40,23 @@ fn decode_data_uri(rest: &str) -> Result<Cow<'_, [u8]>, String> {
     bytes.map(Cow::Owned).map_err(|error| format!("the base64 data cannot be decoded: {error}"))
 }
 
-/// Reads a file that must lie where a model's files may.
-fn read_external(uri: &str, folders: Folders<'_>) -> Result<Vec<u8>, String> {
-    let cut: String = uri.chars().take(80).collect();
+/// As much of a URI as belongs into a message.
+fn shown(uri: &str) -> String {
+    uri.chars().take(80).collect()
+}
+
+/// Finds a file that must lie where a model's files may.
+pub(super) fn find_external(uri: &str, folders: Folders<'_>) -> Result<PathBuf, String> {
+    let cut = shown(uri);
     if has_scheme(uri) {
         return Err(format!("\"{cut}\" is not read: only paths relative to the model's folder are"));
     }
     let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| format!("\"{cut}\" is not UTF-8"))?;
-    let file = folders.find(&decoded).map_err(|why| format!("\"{cut}\" {why}"))?;
-    std::fs::read(file).map_err(|error| format!("\"{cut}\" cannot be read: {error}"))
+    folders.find(&decoded).map_err(|why| format!("\"{cut}\" {why}"))
+}
+
+pub(super) fn read_external(uri: &str, file: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(file).map_err(|error| format!("\"{}\" cannot be read: {error}", shown(uri)))
 }
 
 /// True for `http:`, `file:` and their like, Windows drive letters among them (RFC 3986, 3.1).

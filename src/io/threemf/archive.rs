@@ -5,15 +5,22 @@ use crate::error::ParseError;
 use crate::io::text;
 use quick_xml::Reader;
 use quick_xml::events::Event;
+use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use zip::ZipArchive;
 
 /// What the parts may always expand to together, and beyond that for each byte of the archive.
-const FREE: u64 = 64 << 20;
-const MOST_EXPANSION: u64 = 200;
+const FREE: u64 = 8 << 20;
+const MOST_EXPANSION: u64 = 50;
 
 pub(super) struct Archive<'b> {
     zip: ZipArchive<Cursor<&'b [u8]>>,
+    /// The names of all parts, in the archive's order.
+    names: Vec<String>,
+    /// Where they stand in it, by their own spelling and in small letters. The archive's own look-up
+    /// goes through all of them.
+    places: HashMap<String, usize>,
     limit: u64,
     read: u64,
 }
@@ -23,7 +30,13 @@ impl<'b> Archive<'b> {
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| {
             ParseError::file(format!("the ZIP archive cannot be read: {error}; it may be cut short"))
         })?;
-        Ok(Archive { zip, limit: FREE.max((bytes.len() as u64).saturating_mul(MOST_EXPANSION)), read: 0 })
+        let name = |name: Result<Cow<'_, str>, _>| name.map(Cow::into_owned).unwrap_or_default();
+        let names: Vec<String> = zip.file_names().map(name).collect();
+        let mut places: HashMap<String, usize> =
+            names.iter().enumerate().map(|(place, name)| (name.to_ascii_lowercase(), place)).collect();
+        places.extend(names.iter().cloned().zip(0..));
+        let limit = FREE.max((bytes.len() as u64).saturating_mul(MOST_EXPANSION));
+        Ok(Archive { zip, names, places, limit, read: 0 })
     }
 
     /// Bytes of XML read so far.
@@ -61,7 +74,8 @@ impl<'b> Archive<'b> {
             })?;
         }
         let known = target.and_then(|target| self.name_of(&target)).or_else(|| self.name_of("3D/3dmodel.model"));
-        let any = || self.names().filter(|name| name.to_ascii_lowercase().ends_with(".model")).min();
+        let models = self.names.iter().filter(|name| name.to_ascii_lowercase().ends_with(".model"));
+        let any = || models.min().cloned();
         known.or_else(any).ok_or_else(|| {
             ParseError::file(
                 "the ZIP archive has no 3D model in it, so it is not 3MF; unpack it and name the mesh file",
@@ -89,14 +103,8 @@ impl<'b> Archive<'b> {
     /// The archive's own spelling of a part's name, which begins with a slash and has any case.
     fn name_of(&self, path: &str) -> Option<String> {
         let path = path.trim_start_matches('/');
-        if self.zip.index_for_name(path).is_some() {
-            return Some(path.to_owned());
-        }
-        self.names().find(|name| name.eq_ignore_ascii_case(path))
-    }
-
-    fn names(&self) -> impl Iterator<Item = String> {
-        self.zip.file_names().flatten().map(|name| name.into_owned())
+        let place = self.places.get(path).or_else(|| self.places.get(&path.to_ascii_lowercase()))?;
+        self.names.get(*place).cloned()
     }
 
     fn parse<T>(
@@ -106,13 +114,14 @@ impl<'b> Archive<'b> {
     ) -> Result<T, ParseError> {
         let left = self.limit - self.read;
         let failed = |error| ParseError::file(format!("{part}: cannot be unpacked: {error}"));
-        let file = self.zip.by_name(part).map_err(failed)?;
+        let place = self.places.get(part).copied().unwrap_or(usize::MAX);
+        let file = self.zip.by_index(place).map_err(failed)?;
         let mut stream = BufReader::with_capacity(1 << 16, file.take(left + 1));
         let mut reader = Reader::from_reader(&mut stream as &mut dyn BufRead);
         let result = parse(&mut reader);
         let read = left + 1 - stream.get_ref().limit();
         if read > left {
-            let what = format!("expands to more than {} bytes, {MOST_EXPANSION} times the file's size", self.limit);
+            let what = format!("expands to more than {} bytes, which no model of the file's size does", self.limit);
             return Err(ParseError::file(format!("{part}: {what}; unpack it yourself if it is to be trusted")));
         }
         self.read += read;

@@ -3,7 +3,7 @@
 use super::archive::broken;
 use crate::error::ParseError;
 use crate::io::text;
-use crate::soup::Note;
+use crate::soup::{Note, short_name};
 use glam::{DAffine3, DMat3, DVec3};
 use quick_xml::Reader;
 use quick_xml::events::attributes::Attribute;
@@ -221,7 +221,8 @@ fn id_of(element: &BytesStart<'_>, key: &str) -> Result<u32, String> {
 fn name_of(element: &BytesStart<'_>) -> String {
     let mut attributes = attributes(element);
     let name = attributes.find(|a| a.key.as_ref() == "name").map(|a| a.value.into_owned()).unwrap_or_default();
-    quick_xml::escape::unescape(&name).map(|plain| plain.into_owned()).unwrap_or(name)
+    let name = quick_xml::escape::unescape(&name).map(|plain| plain.into_owned()).unwrap_or(name);
+    short_name(&name).to_owned()
 }
 
 fn reference(element: &BytesStart<'_>) -> Result<Reference, String> {

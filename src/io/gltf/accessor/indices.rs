@@ -45,6 +45,28 @@ impl<'b> Indices<'b> {
         }
     }
 
+    /// Appends them three by three, which goes fast where they lie side by side; false where they do
+    /// not, and nothing is appended.
+    pub(in crate::io::gltf) fn append_triangles_to(&self, out: &mut Vec<[u32; 3]>) -> bool {
+        fn append<const N: usize>(
+            elements: &Elements<'_>,
+            out: &mut Vec<[u32; 3]>,
+            number: impl Fn([u8; N]) -> u32,
+        ) -> bool {
+            let Some(bytes) = elements.side_by_side() else { return false };
+            let (corners, _) = bytes.as_chunks::<N>();
+            let (triangles, _) = corners.as_chunks::<3>();
+            out.extend(triangles.iter().map(|&[a, b, c]| [number(a), number(b), number(c)]));
+            true
+        }
+        match self {
+            Indices::U8(e) => append(e, out, |[byte]| u32::from(byte)),
+            Indices::U16(e) => append(e, out, |b| u32::from(u16::from_le_bytes(b))),
+            Indices::U32(e) => append(e, out, u32::from_le_bytes),
+            Indices::List(_) => false,
+        }
+    }
+
     pub(super) fn into_list(self) -> Vec<u32> {
         (0..self.len()).map(|i| self.get(i)).collect()
     }

@@ -50,9 +50,11 @@ impl Array<'_> {
 
 /// Appends vectors whose components take N bytes each.
 fn extend<const N: usize>(out: &mut Vec<[f32; 3]>, elements: Elements<'_>, convert: impl Fn([u8; N]) -> f32) {
-    out.reserve(elements.len());
-    out.extend(elements.iter().map(|element| {
-        let (parts, _) = element.as_chunks::<N>();
-        [convert(parts[0]), convert(parts[1]), convert(parts[2])]
-    }));
+    let vector = |parts: &[[u8; N]]| [convert(parts[0]), convert(parts[1]), convert(parts[2])];
+    if let Some(bytes) = elements.side_by_side() {
+        let (vectors, _) = bytes.as_chunks::<N>().0.as_chunks::<3>();
+        out.extend(vectors.iter().map(|parts| vector(parts)));
+    } else {
+        out.extend(elements.iter().map(|element| vector(element.as_chunks::<N>().0)));
+    }
 }
