@@ -24,7 +24,7 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;
 
     let bars = Bars::new(messages.wants_progress());
-    let summary = osculate::annotate(&args.input, &destination, format, &options, &bars)?;
+    let summary = osculate::annotate(&args.input.path, &destination, format, &options, &bars)?;
     if let Some(stats) = stats {
         write_stats(&summary, stats)?;
     }

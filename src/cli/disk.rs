@@ -16,7 +16,7 @@ pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error
     extension(&args.output, &["glb"])?;
     let options = args.estimation.options();
     let outputs: Vec<_> = std::iter::once(args.output.as_path()).chain(args.values.as_deref()).collect();
-    let input = read_mesh(&args.input, &args.reading, &outputs, &args.mesh, messages)?;
+    let input = read_mesh(&args.input, &outputs, &args.mesh, messages)?;
     let mesh = &input.mesh;
     let place = args.place.find(mesh)?;
     let (disk, frame, value) = osculate::disk_at(mesh, place, &options)?;

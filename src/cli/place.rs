@@ -1,6 +1,6 @@
 //! Reading a mesh and finding a place on it: what `disk`, `trace` and `section` begin with.
 
-use super::args::{MeshArgs, PlaceArgs, ReadingArgs};
+use super::args::{InputArgs, MeshArgs, PlaceArgs};
 use super::messages::Messages;
 use super::progress::Bars;
 use osculate::{Error, InputFormat, Mesh, Place};
@@ -15,13 +15,14 @@ pub(super) struct Input {
 
 /// Reads a mesh and says what is wrong with it. None of `outputs` may belong to the input.
 pub(super) fn read_mesh(
-    path: &Path,
-    reading: &ReadingArgs,
+    input: &InputArgs,
     outputs: &[&Path],
     mesh: &MeshArgs,
     messages: &Messages,
 ) -> Result<Input, Error> {
-    let (soup, format) = osculate::read_with(path, &reading.options()?, &Bars::new(messages.wants_progress()))?;
+    let path = &input.path;
+    let bars = Bars::new(messages.wants_progress());
+    let (soup, format) = osculate::read_with(path, &input.reading.options()?, &bars)?;
     let outputs: Vec<PathBuf> = outputs.iter().map(|output| output.to_path_buf()).collect();
     osculate::check_outputs(&outputs, path, &soup)?;
     let mesh = Mesh::from_soup(&soup, &mesh.options()).map_err(|e| e.in_file(path))?;

@@ -10,7 +10,7 @@ use serde_json::json;
 
 pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Error> {
     let extension = extension(&args.output, &["glb", "svg"])?;
-    let input = read_mesh(&args.input, &args.reading, &[&args.output], &args.mesh, messages)?;
+    let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
     let [a, b, c, d] = args.plane;
     let normal = DVec3::new(a, b, c);
@@ -21,7 +21,7 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
     if lines.is_empty() {
         return Err(Error::Usage(format!(
             "the plane {a} x + {b} y + {c} z + {d} = 0 does not cut {}; see its bounds with osculate inspect",
-            args.input.display()
+            args.input.path.display()
         )));
     }
     let lengths: Vec<f64> = lines.iter().map(Polyline::length).collect();

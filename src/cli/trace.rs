@@ -14,7 +14,7 @@ pub(super) fn run(args: &TraceArgs, messages: &Messages) -> Result<Outcome, Erro
     let extension = extension(&args.output, &["glb", "csv"])?;
     let curvature = args.estimation.options();
     let options = TraceOptions { along: args.along.into(), steps: args.steps, both_ways: args.both };
-    let input = read_mesh(&args.input, &args.reading, &[&args.output], &args.mesh, messages)?;
+    let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
     let seeds = match args.seeds {
         Some(count) => osculate::spread_seeds(mesh, count),

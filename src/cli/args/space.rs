@@ -1,0 +1,24 @@
+//! In which axes and unit glTF is written.
+
+use crate::cli::choices::{UnitArg, UpArg};
+use clap::Args;
+use osculate::{InputFormat, Space};
+
+/// Axes and units of a glTF output.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(in crate::cli) struct SpaceArgs {
+    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise
+    #[arg(long, value_enum)]
+    pub(super) up: Option<UpArg>,
+
+    /// The input's unit; glTF output is scaled to metres. Default: lengths stay as they are
+    #[arg(long, value_enum)]
+    pub(super) unit: Option<UnitArg>,
+}
+
+impl SpaceArgs {
+    pub(in crate::cli) fn space(&self, input: InputFormat) -> Result<Space, osculate::Error> {
+        Space::to_gltf(input, self.up.map(Into::into), self.unit.map(Into::into))
+    }
+}
