@@ -63,8 +63,8 @@ pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
     Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_outputs, check_size, read,
-    read_bytes, read_with, real_path, remove_unfinished_outputs, stored_values, write, write_lines, write_mesh,
-    write_svg,
+    read_bytes, read_with, real_path, remove_abandoned_outputs, remove_unfinished_outputs, stored_values, write,
+    write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{
