@@ -49,6 +49,12 @@ mod triangulate;
 mod unfolding;
 mod vertex_values;
 
+/// Single stages, for benches; no part of the interface.
+#[doc(hidden)]
+pub mod stages {
+    pub use crate::mesh::stages::{connect, weld};
+}
+
 pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};

@@ -6,8 +6,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Bytes gathered before a write; larger brings nothing, smaller costs system calls.
-const BUFFER: usize = 256 * 1024;
+/// Bytes gathered before a write. The blocks of large outputs are larger and are not gathered, but written
+/// as they are.
+const BUFFER: usize = 64 * 1024;
 
 /// A file being written beside its final place, or a stream that cannot be taken back.
 pub struct Output {

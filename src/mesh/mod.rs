@@ -5,9 +5,12 @@ mod ids;
 mod order;
 mod orientation;
 mod report;
+pub(crate) mod stages;
 mod topology;
 mod validate;
+mod vertex_table;
 mod weld;
+mod weld_distance;
 
 pub use edges::EdgeKind;
 pub use ids::{Face, HalfEdge, Vertex};
@@ -86,7 +89,7 @@ impl Mesh {
         }
         let mut welded = weld::weld_exact(soup);
         if options.weld > 0.0 {
-            welded = weld::weld_distance(welded, &soup.bodies, options.weld);
+            welded = weld_distance::weld_distance(welded, &soup.bodies, options.weld);
         }
         let weld::Welded { mut positions, faces, merged_by_distance } = welded;
         let bounds = Bounds::of(positions.iter().copied());
@@ -122,18 +125,14 @@ impl Mesh {
             let finite = if non_finite_faces > 0 { " and finite coordinates" } else { "" };
             return Err(Error::EmptyMesh(format!("none of the {count} faces has an area{finite}{remedy}")));
         }
-        let per_kind = |kind: EdgeKind| {
-            (0..count as u32)
-                .map(Face)
-                .filter(|f| !left_out[f.index()])
-                .flat_map(Face::half_edges)
-                .filter(|h| kinds[h.index()] == kind)
-                .count()
-        };
+        let mut sides = [0; 4];
+        for (three, _) in kinds.as_chunks::<3>().0.iter().zip(&left_out).filter(|(_, left_out)| !**left_out) {
+            three.iter().for_each(|&kind| sides[kind as usize] += 1);
+        }
         let edges = EdgeCounts {
-            inner: per_kind(EdgeKind::Inner) / 2,
-            boundary: per_kind(EdgeKind::Boundary),
-            feature: per_kind(EdgeKind::Feature) / 2,
+            inner: sides[EdgeKind::Inner as usize] / 2,
+            boundary: sides[EdgeKind::Boundary as usize],
+            feature: sides[EdgeKind::Feature as usize] / 2,
             non_manifold: found.non_manifold_edges,
         };
         let report = MeshReport {
