@@ -24,6 +24,7 @@ use edges::Dihedral;
 use glam::DVec3;
 use rayon::prelude::*;
 use report::first_few;
+use weld::Welded;
 
 /// Settings for [`Mesh::from_soup`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +84,22 @@ impl Mesh {
     /// [`Error::Usage`] for options out of range, [`Error::EmptyMesh`] when there are no faces or
     /// none of them has both an area and finite coordinates.
     pub fn from_soup(soup: &Soup, options: &MeshOptions) -> Result<Mesh, Error> {
+        let welded = Self::weld(soup, options)?;
+        Self::from_welded(welded, soup.bodies.clone(), soup.scene.clone(), options)
+    }
+
+    /// The same for a soup that nobody needs any more: its triangles go as soon as they are welded, 48 bytes
+    /// a face of a binary STL.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::from_soup`].
+    pub fn from_owned_soup(soup: Soup, options: &MeshOptions) -> Result<Mesh, Error> {
+        let welded = Self::weld(&soup, options)?;
+        let Soup { bodies, scene, .. } = soup;
+        Self::from_welded(welded, bodies, scene, options)
+    }
+
+    fn weld(soup: &Soup, options: &MeshOptions) -> Result<Welded, Error> {
         options.check()?;
         if soup.triangles.is_empty() {
             return Err(Error::EmptyMesh("there are no faces".into()));
@@ -91,9 +108,18 @@ impl Mesh {
         if options.weld > 0.0 {
             welded = weld_distance::weld_distance(welded, &soup.bodies, options.weld);
         }
-        let weld::Welded { mut positions, faces, merged_by_distance } = welded;
+        Ok(welded)
+    }
+
+    fn from_welded(
+        welded: Welded,
+        bodies: Vec<Group>,
+        scene: Option<Scene>,
+        options: &MeshOptions,
+    ) -> Result<Mesh, Error> {
+        let Welded { mut positions, faces, merged_by_distance } = welded;
         let bounds = Bounds::of(positions.iter().copied());
-        let origin = if soup.scene.is_some() { DVec3::ZERO } else { bounds.map_or(DVec3::ZERO, origin_for) };
+        let origin = if scene.is_some() { DVec3::ZERO } else { bounds.map_or(DVec3::ZERO, origin_for) };
         if origin != DVec3::ZERO {
             positions.par_iter_mut().for_each(|p| *p -= origin);
         }
@@ -160,8 +186,8 @@ impl Mesh {
             states,
             flipped: orientation.flipped,
             duplicates: found.duplicates,
-            bodies: soup.bodies.clone(),
-            scene: soup.scene.clone(),
+            bodies,
+            scene,
             report,
         })
     }

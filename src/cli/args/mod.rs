@@ -37,7 +37,8 @@ pub(super) use trace::TraceArgs;
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 done; 1 failed, nothing written; 2 bad usage; 3 done, but the input
-was repaired or has defects (they are listed on standard error).
+was repaired or has defects (they are listed on standard error); 130 interrupted.
+batch: 1 if any file failed (all others are written), otherwise 3 if any has defects.
 
 Examples:
   osculate annotate scan.ply -o scan.glb

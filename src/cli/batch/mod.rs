@@ -52,7 +52,9 @@ pub(super) fn run(args: &BatchArgs, messages: &Messages) -> Result<Outcome, Erro
         let record = batch.annotate(job);
         let written = journal.write(&record);
         let goes_on = written.is_ok();
-        bar.aside(|| tell(&record, messages));
+        if record.message.is_some() {
+            bar.aside(|| tell(&record, messages));
+        }
         bar.advance();
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
         shared.0.add(&record);
