@@ -95,7 +95,8 @@ impl Mesh {
     /// Those of [`Mesh::from_soup`].
     pub fn from_owned_soup(soup: Soup, options: &MeshOptions) -> Result<Mesh, Error> {
         let welded = Self::weld(&soup, options)?;
-        let Soup { bodies, scene, .. } = soup;
+        let Soup { positions, triangles, bodies, scene, .. } = soup;
+        drop((positions, triangles));
         Self::from_welded(welded, bodies, scene, options)
     }
 

@@ -98,8 +98,11 @@ impl Windings {
     fn join(&mut self, a: u32, b: u32, is_flipped: bool) -> bool {
         let ((a, a_against), (b, b_against)) = (self.root(a), self.root(b));
         let is_against = is_flipped ^ a_against ^ b_against;
+        if a == b {
+            return !is_against;
+        }
         self.parents[a.max(b) as usize] = a.min(b) << 1 | u32::from(is_against);
-        a != b || !is_against
+        true
     }
 }
 
