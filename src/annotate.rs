@@ -301,8 +301,7 @@ pub fn annotate(
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
 
-    let mesh = Mesh::from_soup(&soup, &options.mesh).map_err(|e| e.in_file(input))?;
-    drop(soup);
+    let mesh = Mesh::from_owned_soup(soup, &options.mesh).map_err(|e| e.in_file(input))?;
     let weld = start.elapsed();
 
     let mut provenance = options.provenance();

@@ -51,6 +51,12 @@ mod triangulate;
 mod unfolding;
 mod vertex_values;
 
+/// Single stages, for benches; no part of the interface.
+#[doc(hidden)]
+pub mod stages {
+    pub use crate::mesh::stages::{connect, weld};
+}
+
 pub use annotate::{AnnotateOptions, annotate};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
@@ -66,8 +72,8 @@ pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
     Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_folder, check_outputs, check_size,
-    read, read_bytes, read_with, real_path, remove_unfinished_outputs, stored_values, write, write_lines, write_mesh,
-    write_svg,
+    read, read_bytes, read_with, real_path, remove_abandoned_outputs, remove_unfinished_outputs, stored_values, write,
+    write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};
 pub use mesh::{

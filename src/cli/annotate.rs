@@ -4,9 +4,9 @@ use super::Outcome;
 use super::args::AnnotateArgs;
 use super::messages::Messages;
 use super::progress::Bars;
-use osculate::{Destination, Error, Output, OutputFormat, Summary};
+use osculate::{AnnotateOptions, Destination, Error, Output, OutputFormat, Progress, Summary};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, Error> {
     let options = args.options()?;
@@ -17,17 +17,9 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         None => OutputFormat::of(&args.output)?,
     };
     let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-    let besides = [&args.edges, &args.legend].into_iter().flatten().find(|path| path.exists()).cloned();
-    if let Some(existing) = destination.existing(format).or(besides).filter(|_| args.no_clobber) {
-        return Err(Error::Exists(existing));
-    }
-    let stats = args.stats.as_deref().map(|path| open_stats(path, args)).transpose()?;
-
+    let target = Target { destination, format, stats: args.stats.clone(), no_clobber: args.no_clobber };
     let bars = Bars::new(messages.wants_progress());
-    let summary = osculate::annotate(&args.input.path, &destination, format, &options, &bars)?;
-    if let Some(stats) = stats {
-        write_stats(&summary, stats)?;
-    }
+    let summary = target.annotate(&args.input.path, &options, &bars)?;
 
     summary.notes.iter().for_each(|note| messages.note(note));
     summary.report.defects().iter().for_each(|defect| messages.warning(defect));
@@ -43,12 +35,36 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     Ok(Outcome::of(summary.has_defects()))
 }
 
-/// Opens the statistics before any work, so that a wrong folder is known at once.
-fn open_stats(path: &Path, args: &AnnotateArgs) -> Result<Output, Error> {
-    if args.no_clobber && path.exists() {
-        return Err(Error::Exists(path.to_path_buf()));
+/// Where a file's results go.
+pub(super) struct Target {
+    pub(super) destination: Destination,
+    pub(super) format: OutputFormat,
+    pub(super) stats: Option<PathBuf>,
+    /// Whether what is there already is kept.
+    pub(super) no_clobber: bool,
+}
+
+impl Target {
+    /// Annotates a file and writes its statistics.
+    pub(super) fn annotate(
+        &self,
+        input: &Path,
+        options: &AnnotateOptions,
+        progress: &dyn Progress,
+    ) -> Result<Summary, Error> {
+        let mut besides = [&options.edges, &options.legend, &self.stats].into_iter().flatten();
+        let existing = || self.destination.existing(self.format).or(besides.find(|path| path.exists()).cloned());
+        if let Some(existing) = self.no_clobber.then(existing).flatten() {
+            return Err(Error::Exists(existing));
+        }
+        // Opened before any work, so that a wrong folder is known at once.
+        let stats = self.stats.as_deref().map(Output::create).transpose()?;
+        let summary = osculate::annotate(input, &self.destination, self.format, options, progress)?;
+        if let Some(stats) = stats {
+            write_stats(&summary, stats)?;
+        }
+        Ok(summary)
     }
-    Output::create(path)
 }
 
 fn write_stats(summary: &Summary, mut out: Output) -> Result<(), Error> {

@@ -124,6 +124,13 @@ pub(super) enum ReportFormat {
     Json,
 }
 
+/// How a picture is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PictureFormat {
+    Png,
+    Svg,
+}
+
 /// A synthetic shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum ShapeArg {

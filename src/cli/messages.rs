@@ -7,6 +7,7 @@ use serde_json::json;
 use std::io::Write;
 
 /// Says things, or keeps quiet.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Messages {
     format: LogFormat,
     quiet: bool,
@@ -29,7 +30,12 @@ impl Messages {
 
     /// Why the run failed; said also when quiet.
     pub(super) fn error(&self, error: &Error) {
-        self.say("error", &error.to_string());
+        self.failure(&error.to_string());
+    }
+
+    /// Why a file failed; said also when quiet.
+    pub(super) fn failure(&self, message: &str) {
+        self.say("error", message);
     }
 
     /// Something in the input that was repaired or is wrong.

@@ -2,6 +2,7 @@
 
 mod annotate;
 mod args;
+mod batch;
 mod choices;
 mod disk;
 mod inspect;
@@ -46,15 +47,20 @@ impl Outcome {
 /// Runs the program.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
-    // On Ctrl-C and the like; without a handler the temporary files would stay.
-    let _ = ctrlc::set_handler(|| {
-        osculate::remove_unfinished_outputs();
-        std::process::exit(INTERRUPTED);
-    });
     let common = cli.command.common();
     let messages = Messages::new(common);
+    let is_batch = matches!(cli.command, Command::Batch(_));
+    // On Ctrl-C and the like; without a handler the temporary files would stay.
+    let _ = ctrlc::set_handler(move || {
+        osculate::remove_unfinished_outputs();
+        if is_batch {
+            messages.info("interrupted; the same command with --resume goes on from here");
+        }
+        std::process::exit(INTERRUPTED);
+    });
     let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
         Command::Annotate(args) => annotate::run(args, &messages),
+        Command::Batch(args) => batch::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
         Command::Disk(args) => disk::run(args, &messages),
         Command::Trace(args) => trace::run(args, &messages),

@@ -48,7 +48,8 @@ impl InputFormat {
         matches!(self, InputFormat::Stl | InputFormat::ThreeMf)
     }
 
-    fn from_extension(path: &Path) -> Option<Self> {
+    /// The format that a file's extension stands for, also before `.gz`; its content may be another.
+    pub fn of_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_ascii_lowercase();
         Some(match extension.to_str()? {
             "stl" => InputFormat::Stl,
@@ -57,7 +58,7 @@ impl InputFormat {
             "gltf" | "glb" => InputFormat::Gltf,
             "off" => InputFormat::Off,
             "3mf" => InputFormat::ThreeMf,
-            "gz" => return Self::from_extension(Path::new(path.file_stem()?)),
+            "gz" => return Self::of_extension(Path::new(path.file_stem()?)),
             _ => return None,
         })
     }
@@ -77,7 +78,7 @@ impl InputFormat {
             _ if obj::looks_like(content) => return Ok(InputFormat::Obj),
             _ => {}
         }
-        match InputFormat::from_extension(path) {
+        match InputFormat::of_extension(path) {
             Some(format @ (InputFormat::Stl | InputFormat::Obj)) => Ok(format),
             Some(format) => Err(ParseError::file(format!("the content is not {}", format.name()))),
             None => Err(ParseError::file("the content is none of STL, OBJ, PLY, OFF, 3MF and glTF")),

@@ -24,7 +24,7 @@ pub use destination::{Destination, check_folder, check_outputs, real_path};
 pub use gltf::{LineScene, write_lines};
 pub(crate) use input::mesh_name;
 pub use input::{InputFormat, ReadOptions, read, read_bytes, read_with};
-pub use output::{Output, remove_unfinished_outputs};
+pub use output::{Output, remove_abandoned_outputs, remove_unfinished_outputs};
 pub use plain::write_mesh;
 pub use svg::write_svg;
 
@@ -77,6 +77,17 @@ impl OutputFormat {
                 "{}: the extension must be .glb, .gltf, .ply, .csv or .npz, or the format be given with --format",
                 path.display()
             ))),
+        }
+    }
+
+    /// Its usual file extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            OutputFormat::Glb => "glb",
+            OutputFormat::Gltf => "gltf",
+            OutputFormat::Ply => "ply",
+            OutputFormat::Csv => "csv",
+            OutputFormat::Npz => "npz",
         }
     }
 

@@ -4,10 +4,11 @@ use crate::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Bytes gathered before a write; larger brings nothing, smaller costs system calls.
-const BUFFER: usize = 256 * 1024;
+/// Bytes gathered before a write. The blocks of large outputs are larger and are not gathered, but written
+/// as they are.
+const BUFFER: usize = 64 * 1024;
 
 /// A file being written beside its final place, or a stream that cannot be taken back.
 pub struct Output {
@@ -42,15 +43,21 @@ impl Output {
             _ => {
                 let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
                 let mut builder = tempfile::Builder::new();
-                builder.prefix(".osculate-").suffix(".part");
                 #[cfg(unix)]
                 {
                     use std::os::unix::fs::PermissionsExt;
                     // As any new file: the user's umask decides.
                     builder.permissions(std::fs::Permissions::from_mode(0o666));
                 }
+                builder.prefix(PREFIX).suffix(SUFFIX);
+                // Made and noted at once, so that an interrupt finds either no file or its name.
+                let mut paths = unfinished();
                 let file = builder.tempfile_in(folder).map_err(failed)?;
-                unfinished(|paths| paths.push(file.path().to_path_buf()));
+                paths.push(file.path().to_path_buf());
+                drop(paths);
+                // The lock tells other programs that the file is not abandoned. File systems without
+                // locks are left with more than they need, not less.
+                let _ = file.as_file().try_lock();
                 Sink::Temporary(BufWriter::with_capacity(BUFFER, file))
             }
         };
@@ -86,37 +93,72 @@ impl Output {
     /// # Errors
     /// [`Error::Io`]; the temporary file is then gone and what was at `path` before is still there.
     pub fn finish(self) -> Result<(), Error> {
-        let Output { path, sink } = self;
-        let failed = |e| Error::io(&path, "write", e);
-        match sink {
-            Sink::Stream(mut stream) => stream.flush().map_err(failed),
-            Sink::Temporary(writer) => {
-                let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
-                let temporary = file.path().to_path_buf();
-                file.persist(&path).map_err(|e| failed(e.error))?;
-                unfinished(|paths| paths.retain(|p| *p != temporary));
-                Ok(())
+        Self::finish_all(vec![self])
+    }
+
+    /// Writes what is still buffered of all outputs, then puts one after the other in its place. An
+    /// interrupt comes before the first or after the last.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; nothing is in its place then, unless the system refuses a later one only.
+    pub(super) fn finish_all(outputs: Vec<Output>) -> Result<(), Error> {
+        let mut written = Vec::new();
+        for Output { path, sink } in outputs {
+            let failed = |e| Error::io(&path, "write", e);
+            match sink {
+                Sink::Stream(mut stream) => stream.flush().map_err(failed)?,
+                Sink::Temporary(writer) => {
+                    let file = writer.into_inner().map_err(|e| failed(e.into_error()))?;
+                    written.push((path, file));
+                }
             }
         }
+        let mut paths = unfinished();
+        for (path, file) in written {
+            let temporary = file.path().to_path_buf();
+            file.persist(&path).map_err(|e| Error::io(&path, "write", e.error))?;
+            paths.retain(|p| *p != temporary);
+        }
+        Ok(())
     }
 }
 
-/// Temporary files that an interrupted program would leave behind.
+const PREFIX: &str = ".osculate-";
+const SUFFIX: &str = ".part";
+
+/// Temporary files that an interrupted program would leave behind. Whoever holds the guard is alone in
+/// making temporary files and in putting them in their places.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-fn unfinished(change: impl FnOnce(&mut Vec<PathBuf>)) {
-    change(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner));
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of all outputs that are not finished. For a program that is about to
-/// end without unwinding, such as on a signal.
+/// Removes the temporary files of all outputs that are not finished, for a program that is about to
+/// end without unwinding, such as on a signal: whoever would make or finish an output from here on
+/// waits for that end.
 pub fn remove_unfinished_outputs() {
-    unfinished(|paths| {
-        for path in paths.drain(..) {
-            // One that is gone already needs no removing.
-            let _ = std::fs::remove_file(path);
+    let mut paths = unfinished();
+    for path in paths.drain(..) {
+        // One that is gone already needs no removing.
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(paths);
+}
+
+/// Removes temporary files of outputs that programs left in a folder when they were killed. Those of
+/// programs that are still writing stay.
+pub fn remove_abandoned_outputs(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_ours = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+        let is_abandoned = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if is_ours && is_abandoned() {
+            let _ = std::fs::remove_file(entry.path());
         }
-    });
+    }
 }
 
 impl Write for Output {
@@ -154,6 +196,20 @@ mod tests {
         output.write_all(b"new").expect("writable");
         output.finish().expect("renamed");
         assert_eq!(std::fs::read(&path).expect("there"), b"new");
+    }
+
+    #[test]
+    fn only_files_that_nobody_writes_are_abandoned() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let names = || std::fs::read_dir(&folder).expect("a folder").count();
+        let output = Output::create(&folder.path().join("out.csv")).expect("creatable");
+        for other in [".osculate-x.part", ".osculate-x", "x.part"] {
+            std::fs::write(folder.path().join(other), "left").expect("writable");
+        }
+        remove_abandoned_outputs(folder.path());
+        assert_eq!(names(), 3);
+        output.finish().expect("still there");
+        remove_abandoned_outputs(&folder.path().join("none"));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::report::FaceState;
 use super::topology::{Across, Topology};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// What an edge is to a walk over the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
@@ -32,6 +33,7 @@ const LONGEST_CHAIN: usize = 16;
 
 impl Dihedral<'_> {
     /// Twice the face's area as a vector along the normal of its winding.
+    #[inline]
     pub(super) fn area_vector(&self, face: Face) -> DVec3 {
         let [a, b, c] = self.topology.corners(face).map(|v| self.positions[v.index()]);
         (b - a).cross(c - a)
@@ -40,7 +42,13 @@ impl Dihedral<'_> {
     /// The area vector of the face, or for one without area that of the neighbour over its longest
     /// edge, with the face's winding: a sliver that closes the seam between two flat sides of a
     /// part belongs to the side it lies along, and must not hide the edge between them.
+    #[inline]
     fn normal(&self, face: Face) -> DVec3 {
+        if self.states[face.index()] == FaceState::NoArea { self.borrowed_normal(face) } else { self.area_vector(face) }
+    }
+
+    #[cold]
+    fn borrowed_normal(&self, face: Face) -> DVec3 {
         let (mut face, mut sign) = (face, 1.0);
         for _ in 0..LONGEST_CHAIN {
             if self.states[face.index()] != FaceState::NoArea {
@@ -69,33 +77,51 @@ impl Dihedral<'_> {
         if self.topology.is_flipped(h, twin) {
             b = -b;
         }
-        (a.dot(b), a.cross(b).length())
+        cos_sin(a, b)
     }
+
+    /// The kinds of a face's edges, each as its lesser side sees it.
+    fn kinds(&self, face: Face, is_sharp: impl Fn((f64, f64)) -> bool) -> [EdgeKind; 3] {
+        let corners = self.topology.corners(face).map(|v| self.positions[v.index()]);
+        let own = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let has_area = |face: Face| self.states[face.index()] != FaceState::NoArea;
+        from_fn(|i| {
+            let h = HalfEdge(3 * face.0 + i as u32);
+            let twin = match self.topology.across(h) {
+                Across::Boundary => return EdgeKind::Boundary,
+                Across::NonManifold => return EdgeKind::NonManifold,
+                // Each edge is judged once, so that both sides agree.
+                Across::Twin(twin) if twin < h => return EdgeKind::Inner,
+                Across::Twin(twin) => twin,
+            };
+            let angle = if has_area(face) && has_area(twin.face()) {
+                // Two of the neighbour's corners are at hand. From them its normal has this face's winding,
+                // whatever its own is.
+                let [start, end] = [corners[i], corners[(i + 1) % 3]];
+                let apex = self.positions[self.topology.apex(twin).index()];
+                cos_sin(own, (start - end).cross(apex - end))
+            } else {
+                self.cos_sin(h, twin)
+            };
+            if is_sharp(angle) { EdgeKind::Feature } else { EdgeKind::Inner }
+        })
+    }
+}
+
+fn cos_sin(a: DVec3, b: DVec3) -> (f64, f64) {
+    (a.dot(b), a.cross(b).length())
 }
 
 /// Classifies every half-edge. `feature_angle` in degrees, 0 to 180; at 180 there are no features.
 pub(super) fn classify(dihedral: &Dihedral<'_>, feature_angle: f64) -> Vec<EdgeKind> {
     let (sin, cos) = feature_angle.to_radians().sin_cos();
+    // angle > feature angle, both within [0, 180]: the sine of the difference decides.
+    let is_sharp = |(c, s): (f64, f64)| feature_angle < 180.0 && s * cos - c * sin > 0.0;
     let topology = dihedral.topology;
-    let mut kinds: Vec<EdgeKind> = (0..3 * topology.face_count() as u32)
-        .into_par_iter()
-        .map(HalfEdge)
-        .map(|h| match topology.across(h) {
-            Across::Boundary => EdgeKind::Boundary,
-            Across::NonManifold => EdgeKind::NonManifold,
-            // Each edge is judged once, from its lesser side, so that both sides agree.
-            Across::Twin(twin) if twin < h => EdgeKind::Inner,
-            Across::Twin(twin) => {
-                if feature_angle >= 180.0 {
-                    return EdgeKind::Inner;
-                }
-                let (c, s) = dihedral.cos_sin(h, twin);
-                // angle > feature angle, both within [0, 180]: the sine of the difference decides.
-                if s * cos - c * sin > 0.0 { EdgeKind::Feature } else { EdgeKind::Inner }
-            }
-        })
-        .collect();
-    for h in (0..3 * topology.face_count() as u32).map(HalfEdge) {
+    let faces = (0..topology.face_count() as u32).into_par_iter().map(Face);
+    let mut kinds: Vec<EdgeKind> =
+        faces.map(|face| dihedral.kinds(face, is_sharp)).collect::<Vec<_>>().into_flattened();
+    for h in (0..kinds.len() as u32).map(HalfEdge) {
         if kinds[h.index()] == EdgeKind::Feature
             && let Some(twin) = topology.twin(h)
         {

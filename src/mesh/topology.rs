@@ -80,14 +80,15 @@ impl Topology {
             for sides in buckets.edges_of(lesser) {
                 match *sides {
                     [_] => {}
-                    [(_, a), (_, b)] => {
+                    [a, b] => {
+                        let [a, b] = [a as u32, b as u32];
                         self.across[a as usize] = b;
                         self.across[b as usize] = a;
                         self.note_duplicates(&mut [a, b], &mut found.duplicates);
                     }
                     _ => {
                         found.non_manifold_edges += 1;
-                        let mut sides: Vec<u32> = sides.iter().map(|&(_, h)| h).collect();
+                        let mut sides: Vec<u32> = sides.iter().map(|&side| side as u32).collect();
                         for &h in &sides {
                             self.across[h as usize] = NON_MANIFOLD;
                         }
@@ -181,8 +182,8 @@ impl Topology {
 /// Half-edges sorted into buckets by their lesser vertex (a counting sort).
 struct EdgeBuckets {
     ends: Vec<u32>,
-    /// (greater vertex, half-edge)
-    entries: Vec<(u32, u32)>,
+    /// The greater vertex in the upper half, the half-edge in the lower: one number sorts faster than two.
+    entries: Vec<u64>,
 }
 
 impl EdgeBuckets {
@@ -202,12 +203,12 @@ impl EdgeBuckets {
             ends[v] += ends[v - 1];
         }
         let total = ends[vertex_count] as usize;
-        let mut entries = vec![(0, 0); total];
+        let mut entries = vec![0; total];
         // Filling moves each bucket's start to its end, which is all that reading needs.
         for f in present() {
             for (i, (lesser, greater)) in sides(f).into_iter().enumerate() {
                 let place = &mut ends[lesser as usize];
-                entries[*place as usize] = (greater, 3 * f as u32 + i as u32);
+                entries[*place as usize] = u64::from(greater) << 32 | (3 * f + i) as u64;
                 *place += 1;
             }
         }
@@ -215,11 +216,11 @@ impl EdgeBuckets {
     }
 
     /// The edges whose lesser vertex is `lesser`, each as the list of its sides in face order.
-    fn edges_of(&mut self, lesser: usize) -> impl Iterator<Item = &[(u32, u32)]> {
+    fn edges_of(&mut self, lesser: usize) -> impl Iterator<Item = &[u64]> {
         let start = if lesser == 0 { 0 } else { self.ends[lesser - 1] as usize };
         let bucket = &mut self.entries[start..self.ends[lesser] as usize];
         bucket.sort_unstable();
-        bucket.chunk_by(|a, b| a.0 == b.0)
+        bucket.chunk_by(|a, b| a >> 32 == b >> 32)
     }
 }
 

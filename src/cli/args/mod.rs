@@ -2,6 +2,7 @@
 //! Defaults come from the library; ranges and units stand on each line.
 
 mod annotate;
+mod batch;
 mod common;
 mod disk;
 mod estimation;
@@ -11,6 +12,7 @@ mod look;
 mod mesh;
 mod place;
 mod section;
+mod settings;
 mod space;
 mod synth;
 mod trace;
@@ -18,27 +20,31 @@ mod trace;
 use clap::{Parser, Subcommand};
 
 pub(super) use annotate::AnnotateArgs;
+pub(super) use batch::BatchArgs;
 pub(super) use common::CommonArgs;
 pub(super) use disk::DiskArgs;
 pub(super) use estimation::EstimationArgs;
-pub(super) use input::InputArgs;
+pub(super) use input::{InputArgs, ReadingArgs};
 pub(super) use inspect::InspectArgs;
 pub(super) use look::LookArgs;
 pub(super) use mesh::MeshArgs;
 pub(super) use place::PlaceArgs;
 pub(super) use section::SectionArgs;
+pub(super) use settings::SettingsArgs;
 pub(super) use space::SpaceArgs;
 pub(super) use synth::SynthArgs;
 pub(super) use trace::TraceArgs;
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 done; 1 failed, nothing written; 2 bad usage; 3 done, but the input
-was repaired or has defects (they are listed on standard error).
+was repaired or has defects (they are listed on standard error); 130 interrupted.
+batch: 1 if any file failed (all others are written), otherwise 3 if any has defects.
 
 Examples:
   osculate annotate scan.ply -o scan.glb
   osculate annotate part.stl -o part.glb --unit mm --color-by k_max
   osculate annotate part.stl -o part.csv
+  osculate batch scans -o annotated --resume
   osculate inspect part.stl
   osculate section part.stl --plane 0,0,1,-5 -o cut.svg
 
@@ -60,6 +66,8 @@ pub(super) struct Cli {
 pub(super) enum Command {
     /// Estimate the curvature of every face and write it to a .glb, .gltf, .ply, .csv or .npz
     Annotate(Box<AnnotateArgs>),
+    /// Annotate many files: folders and patterns, a mirrored tree, a log, and --resume
+    Batch(Box<BatchArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
     /// Draw the disk of one face: its legs, rim and principal directions, as glTF lines
@@ -87,6 +95,7 @@ impl Command {
     pub(super) fn common(&self) -> Option<&CommonArgs> {
         match self {
             Command::Annotate(args) => Some(&args.common),
+            Command::Batch(args) => Some(&args.common),
             Command::Inspect(args) => Some(&args.common),
             Command::Disk(args) => Some(&args.common),
             Command::Trace(args) => Some(&args.common),
@@ -121,6 +130,6 @@ mod tests {
         let cli =
             Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "-", "--format", "csv", "--range", "-5:5"]);
         let Ok(Cli { command: Command::Annotate(args) }) = cli else { panic!("{cli:?}") };
-        assert_eq!(args.look.range, Range::Fixed(-5.0, 5.0));
+        assert_eq!(args.settings.look.range, Range::Fixed(-5.0, 5.0));
     }
 }

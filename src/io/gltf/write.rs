@@ -167,9 +167,7 @@ pub(in crate::io) fn write_gltf(
         let mut document = Output::create(path)?;
         document.write_all(&to_json(&packed.root)).map_err(|e| document.error(e))?;
         finished.push(document);
-        // What does not fit the disk is known before the first takes its place.
-        finished.iter_mut().try_for_each(Output::settle)?;
-        finished.into_iter().try_for_each(Output::finish)
+        Output::finish_all(finished)
     })
 }
 
