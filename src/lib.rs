@@ -41,6 +41,7 @@ mod numbers;
 mod place;
 mod progress;
 mod quantity;
+mod report;
 mod section;
 mod soup;
 mod statistics;
@@ -77,6 +78,7 @@ pub use mesh::{
 pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};
 pub use quantity::{Quantity, Selection};
+pub use report::{PictureOptions, ReportOptions, Reported, ViewFrom, report};
 pub use section::{Crossing, Features, Plane, Stop};
 pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};

@@ -9,6 +9,7 @@ mod messages;
 mod parse;
 mod place;
 mod progress;
+mod report;
 mod section;
 mod synth;
 mod trace;
@@ -56,6 +57,7 @@ pub(crate) fn run() -> ExitCode {
     let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
         Command::Annotate(args) => annotate::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
+        Command::Report(args) => report::run(args, &messages),
         Command::Disk(args) => disk::run(args, &messages),
         Command::Trace(args) => trace::run(args, &messages),
         Command::Section(args) => section::run(args, &messages),

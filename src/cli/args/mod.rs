@@ -10,6 +10,7 @@ mod inspect;
 mod look;
 mod mesh;
 mod place;
+mod report;
 mod section;
 mod space;
 mod synth;
@@ -26,6 +27,7 @@ pub(super) use inspect::InspectArgs;
 pub(super) use look::LookArgs;
 pub(super) use mesh::MeshArgs;
 pub(super) use place::PlaceArgs;
+pub(super) use report::ReportArgs;
 pub(super) use section::SectionArgs;
 pub(super) use space::SpaceArgs;
 pub(super) use synth::SynthArgs;
@@ -40,6 +42,7 @@ Examples:
   osculate annotate part.stl -o part.glb --unit mm --color-by k_max
   osculate annotate part.stl -o part.csv
   osculate inspect part.stl
+  osculate report part.stl -o part.html
   osculate section part.stl --plane 0,0,1,-5 -o cut.svg
 
 By default (--estimator auto) surfaces are fitted to the vertices around every face, as
@@ -62,6 +65,8 @@ pub(super) enum Command {
     Annotate(Box<AnnotateArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
+    /// Show a mesh and its curvature, or two side by side, in one HTML file: 3D view, plots, tables; or as a picture
+    Report(Box<ReportArgs>),
     /// Draw the disk of one face: its legs, rim and principal directions, as glTF lines
     Disk(Box<DiskArgs>),
     /// Step along a principal direction, from one face or many, as glTF lines or CSV
@@ -84,6 +89,7 @@ impl Command {
         match self {
             Command::Annotate(args) => Some(&args.common),
             Command::Inspect(args) => Some(&args.common),
+            Command::Report(args) => Some(&args.common),
             Command::Disk(args) => Some(&args.common),
             Command::Trace(args) => Some(&args.common),
             Command::Section(args) => Some(&args.common),

@@ -1,0 +1,112 @@
+// What is shown, and who wants to know when it changes.
+
+import { palette } from "./data.js";
+import { automatic, fill, spread } from "./quantities.js";
+
+export class State {
+  constructor(facts, models) {
+    Object.assign(this, { facts, models });
+    this.definitions = facts.quantities.filter(
+      ({ name }) => name !== "gauss_perimeter" || models.every((model) => model.gauss_perimeter),
+    );
+    this.listeners = {};
+    // One array for the shown quantity of each mesh, filled anew when it changes.
+    this.values = models.map((model) => new Float32Array(model.faces));
+    this.marks = models.map((model) => new Uint8Array(model.faces));
+    this.spreads = new Map();
+    this.selected = models.map(() => 0);
+    this.selection = null;
+    this.pointed = { model: -1, face: -1 };
+    this.chosen = { model: -1, face: -1 };
+    this.look = {
+      shading: "smooth",
+      wire: false,
+      showBeyond: false,
+      strokes: "none",
+      edges: { 1: true, 2: true, 3: true },
+    };
+    this.show(facts.start.quantity, facts.start.map, facts.start.range);
+  }
+
+  on(event, listener) {
+    (this.listeners[event] ??= []).push(listener);
+  }
+
+  emit(event) {
+    for (const listener of this.listeners[event] ?? []) listener();
+  }
+
+  definition(name = this.quantity) {
+    return this.definitions.find((definition) => definition.name === name);
+  }
+
+  // The spread of a quantity in each mesh, worked out once.
+  spreadOf(name) {
+    if (!this.spreads.has(name)) {
+      this.spreads.set(name, this.models.map((model) => spread(fill(model, name, new Float32Array(model.faces)))));
+    }
+    return this.spreads.get(name);
+  }
+
+  automaticRange(name = this.quantity) {
+    return automatic(this.definition(name), this.spreadOf(name));
+  }
+
+  show(name, map, range) {
+    this.quantity = this.definition(name) ? name : "mean";
+    this.models.forEach((model, m) => fill(model, this.quantity, this.values[m]));
+    this.map = map ?? this.definition().map;
+    this.range = range ?? this.automaticRange();
+    this.emit("quantity");
+  }
+
+  setMap(map) {
+    this.map = map;
+    this.emit("range");
+  }
+
+  setRange(low, high) {
+    if (!(low < high)) return;
+    this.range = [low, high];
+    this.emit("range");
+  }
+
+  colors() {
+    return palette(this.facts.palettes[this.map]);
+  }
+
+  // Selects the faces for which `test` holds; with `add`, besides those selected before.
+  select(what, test, add = false) {
+    this.models.forEach((model, m) => {
+      const marks = this.marks[m];
+      let size = 0;
+      for (let f = 0; f < marks.length; f++) {
+        marks[f] = (add && marks[f]) || test(m, f) ? 1 : 0;
+        size += marks[f];
+      }
+      this.selected[m] = size;
+    });
+    this.selection = add && this.selection ? `${this.selection}, ${what}` : what;
+    this.emit("selection");
+  }
+
+  deselect() {
+    if (this.selection === null) return;
+    for (const marks of this.marks) marks.fill(0);
+    this.selected.fill(0);
+    this.selection = null;
+    this.emit("selection");
+  }
+
+  point(place) {
+    const { model, face } = place ?? { model: -1, face: -1 };
+    if (model === this.pointed.model && face === this.pointed.face) return;
+    this.pointed = { model, face };
+    this.emit("face");
+  }
+
+  choose(place) {
+    this.chosen = place ?? { model: -1, face: -1 };
+    this.emit("face");
+  }
+}
