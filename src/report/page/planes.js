@@ -133,7 +133,7 @@ class Plane extends Plot {
       const [x, y] = [valueAt(models[m], this.x.name, f), valueAt(models[m], this.y.name, f)];
       return x >= left && x <= right && y >= low && y <= high;
     };
-    this.state.select(`${this.x.title} ${short(left, 3)} to ${short(right, 3)} and ${this.y.title} ${short(low, 3)} to ${short(high, 3)}`, inside, add);
+    this.state.select(`${this.x.title} ${short(left, 3)} to ${short(right, 3)} and ${this.y.title} ${short(low, 3)} to ${short(high, 3)}`, inside, add, { [this.x.name]: [left, right], [this.y.name]: [low, high] });
   }
 }
 

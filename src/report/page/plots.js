@@ -174,7 +174,7 @@ export function histogramSection(state) {
       brush: (from, to, first, last, add) => {
         const values = columns();
         const [low, high] = [first ? -Infinity : from, last ? Infinity : to];
-        state.select(`${title.toLowerCase()} from ${short(from, 2)} to ${short(to, 2)}`, (m, f) => values[m][f] >= low && values[m][f] <= high, add);
+        state.select(`${title.toLowerCase()} from ${short(from, 2)} to ${short(to, 2)}`, (m, f) => values[m][f] >= low && values[m][f] <= high, add, { [name]: [low, high] });
       },
     }));
   };
@@ -209,7 +209,7 @@ export function histogramSection(state) {
     perFace("coverage", "Coverage"),
     perFace("confidence", "Confidence"),
     perEdge("lengths", `Edge length${unit ? `, ${unit}` : ""}`, () => [0, longest()]),
-    perEdge("angles", "Dihedral angle, degrees", once(() => [0, Math.min(180, Math.max(1, ...edges().map((e) => 1.1 * (at(sorted(e.angles), 0.99) ?? 90))))])),
+    perEdge("angles", "Dihedral angle, °", once(() => [0, Math.min(180, Math.max(1, ...edges().map((e) => 1.1 * (at(sorted(e.angles), 0.99) ?? 90))))])),
   ];
   const log = h("input", { type: "checkbox", onchange: () => plots.forEach((p) => p.plot.setLog(log.checked)) });
   return section(

@@ -213,6 +213,6 @@ class ScalePlot extends Plot {
       this.state.select(names.join(", "), (m, f) => values[m][f] >= a && values[m][f] <= b, add);
       return;
     }
-    this.state.select(`${symbol(this.state.quantity)} from ${short(from, 3)} to ${short(to, 3)}`, (m, f) => values[m][f] >= least && values[m][f] <= most, add);
+    this.state.select(`${symbol(this.state.quantity)} from ${short(from, 3)} to ${short(to, 3)}`, (m, f) => values[m][f] >= least && values[m][f] <= most, add, { [this.state.quantity]: [least, most] });
   }
 }

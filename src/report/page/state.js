@@ -75,8 +75,9 @@ export class State {
     return palette(this.facts.palettes[this.map]);
   }
 
-  // Selects the faces for which `test` holds; with `add`, besides those selected before.
-  select(what, test, add = false) {
+  // Selects the faces for which `test` holds; with `add`, besides those selected before. `bounds`: the least and
+  // the greatest value of each quantity, where these decide.
+  select(what, test, add = false, bounds = null) {
     this.models.forEach((model, m) => {
       const marks = this.marks[m];
       let size = 0;
@@ -87,6 +88,7 @@ export class State {
       this.selected[m] = size;
     });
     this.selection = add && this.selection ? `${this.selection}, ${what}` : what;
+    this.bounds = bounds;
     this.emit("selection");
   }
 
