@@ -17,6 +17,7 @@ export async function launch(path) {
       "--enable-unsafe-swiftshader",
       "--ignore-gpu-blocklist",
       "--js-flags=--expose-gc",
+      "--enable-precise-memory-info",
     ],
   });
 }

@@ -29,6 +29,8 @@ report "$fixtures/suzanne.ply" --up z -o "$out/scan.html"
 run annotate "$fixtures/cylinder_holes.stl" -o "$out/a.glb" --estimator tangent --attributes all
 run annotate "$fixtures/cylinder_holes.stl" -o "$out/b.glb" --estimator osculating
 report "$out/a.glb" "$out/b.glb" -o "$out/pair.html"
+run annotate "$out/a.glb" --reuse -o "$out/a.csv"
+run annotate "$out/b.glb" --reuse -o "$out/b.csv"
 report "$fixtures/fillet_degenerate.stl" -o "$out/defects.html"
 report "$fixtures/scene.glb" -o "$out/scene.html"
 report "$fixtures/cylinder_holes.stl" --estimator osculating --color-by gauss_perimeter --unit mm -o "$out/sections.html"

@@ -3,7 +3,7 @@
 import { numberOf } from "./data.js";
 import { download, themed } from "./elements.js";
 import { short, unitOf } from "./format.js";
-import { title, valueAt } from "./quantities.js";
+import { valueAt } from "./quantities.js";
 
 // The view as it is, with the colour scale below it.
 export function picture(state, view, draw) {
@@ -31,7 +31,7 @@ function drawLegend(context, state, width, top, unit) {
   context.fillStyle = themed("--ink");
   context.textBaseline = "top";
   const dimension = unitOf(state.definition().dimension, state.models[0].facts.unit);
-  context.fillText(`${title(state.quantity)}${dimension ? `, ${dimension}` : ""}`, left, top + 10 * unit);
+  context.fillText(`${state.title()}${dimension ? `, ${dimension}` : ""}`, left, top + 10 * unit);
   const y = top + 32 * unit;
   const names = state.facts.classes.filter(({ code }) => code >= 0);
   const isClass = state.quantity === "class";

@@ -71,7 +71,11 @@ function card(state, { model: m, face }, fly) {
   const className = state.facts.classes.find((c) => c.code === code).name;
   const rows = state.definitions
     .filter(({ name: q }) => q !== "class")
-    .map(({ name: q, dimension }) => [title(q), h("span", { "data-value": q }, value(valueAt(model, q, face), unitOf(dimension, unit)))]);
+    .map(({ name: q, dimension }) => [title(q), h("span", { "data-value": q }, value(valueAt(model, q, face), unitOf(dimension, unit), SHARES.includes(q) ? 2 : 4))]);
+  if (state.isDifference()) {
+    const { dimension } = state.definition();
+    rows.unshift([state.title(), h("span", { "data-value": "difference" }, value(state.values[m][face], unitOf(dimension, unit)))]);
+  }
   return h(
     "div",
     { class: "card" },
@@ -85,4 +89,6 @@ function card(state, { model: m, face }, fly) {
   );
 }
 
-const value = (number, unit) => (Number.isNaN(number) ? "–" : unit ? `${short(number)} ${unit}` : short(number));
+// Kept in a byte.
+const SHARES = ["coverage", "confidence"];
+const value = (number, unit, digits = 4) => (unit && !Number.isNaN(number) ? `${short(number, digits)} ${unit}` : short(number, digits));

@@ -13,7 +13,7 @@ export function looksSection(state, camera, fit, redraw) {
   const kinds = [[1, "boundary", "Boundary"], [2, "feature", "Feature"], [3, "non_manifold", "Non-manifold"]];
   // So many that they would hide the surface begin hidden.
   const faces = state.models.reduce((sum, model) => sum + model.faces, 0);
-  look.edges[2] = total("feature") < 0.08 * faces;
+  look.edges[2] = total("feature") < Math.max(5000, 0.08 * faces);
   const edges = kinds
     .filter(([, kind]) => total(kind) > 0)
     .map(([code, , label]) => toggle(label, look.edges[code], change((on) => (look.edges[code] = on)), `var(--edge-${code})`));
@@ -26,7 +26,7 @@ export function looksSection(state, camera, fit, redraw) {
       camera.version++;
     })),
     h("fieldset", { class: "choice" }, h("legend", {}, "Lines"), h("div", { class: "toggles" },
-      toggle("Triangles", look.wire, change((on) => (look.wire = on))),
+      toggle("Wireframe", look.wire, change((on) => (look.wire = on))),
       edges,
       toggle("Hatch values beyond the range", look.showBeyond, change((on) => (look.showBeyond = on))),
     )),

@@ -12,7 +12,6 @@ import { looksSection } from "./looks.js";
 import { dot } from "./matrix.js";
 import { planesSection } from "./planes.js";
 import { histogramSection } from "./plots.js";
-import { title } from "./quantities.js";
 import { scaleSection } from "./scale.js";
 import { State } from "./state.js";
 import { tables } from "./tables.js";
@@ -30,14 +29,8 @@ async function main() {
   const stage = byId("stage");
 
   let isDirty = false;
-  const times = [];
   const look = lookOf(state);
-  const draw = () => {
-    const start = performance.now();
-    view.draw(camera, look);
-    times.push(performance.now() - start);
-    if (times.length > 120) times.shift();
-  };
+  const draw = () => view.draw(camera, look);
   const redraw = () => {
     if (isDirty) return;
     isDirty = true;
@@ -128,6 +121,7 @@ async function main() {
     refresh();
   });
   state.on("theme", refresh);
+  view.canvas.addEventListener("webglcontextlost", () => say("The graphics driver has let go of the view; reload the page to see it again."));
   new ResizeObserver(() => {
     view.layout(stage.clientWidth, stage.clientHeight, Math.min(2, window.devicePixelRatio || 1));
     camera.version++;
@@ -140,7 +134,7 @@ async function main() {
   refresh();
   document.body.dataset.ready = "true";
   // For those who look closer in the browser's console, and for tests.
-  window.osculate = { state, view, camera, draw, times, look, fit };
+  window.osculate = { state, view, camera, draw, look, fit };
 }
 
 // The look as the renderer takes it.
@@ -218,7 +212,7 @@ function legend(state) {
   const bar = byId("legend-bar");
   const refresh = () => {
     const unit = unitOf(state.definition().dimension, state.models[0].facts.unit);
-    byId("legend-title").textContent = `${title(state.quantity)}${unit ? `, ${unit}` : ""}`;
+    byId("legend-title").textContent = `${state.title()}${unit ? `, ${unit}` : ""}`;
     const rgba = state.colors();
     const color = (i) => `rgb(${rgba[4 * i]} ${rgba[4 * i + 1]} ${rgba[4 * i + 2]})`;
     const isClass = state.quantity === "class";
@@ -237,10 +231,13 @@ function legend(state) {
   refresh();
 }
 
+function say(text) {
+  byId("message").hidden = false;
+  byId("message").textContent = text;
+}
+
 main().catch((error) => {
-  const message = byId("message");
-  message.hidden = false;
-  message.textContent = `The report cannot be shown: ${error.message}`;
+  say(`The report cannot be shown: ${error.message}`);
   console.error(error);
 }).finally(() => {
   byId("loading").hidden = true;

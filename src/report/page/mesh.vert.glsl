@@ -49,7 +49,8 @@ void main() {
   vec3 p = texelFetch(positions, texel(texelFetch(corners, at, 0)[i]), 0).xyz;
   float value = texelFetch(values, at, 0).x;
   float position = (value - range.x) / (range.y - range.x);
-  bool isValue = !isnan(value);
+  // Some compilers take it for granted that nothing is NaN; its bits they cannot.
+  bool isValue = (floatBitsToUint(value) & 0x7fffffffu) <= 0x7f800000u;
   color = !isValue ? NONE
     : isClass ? 51 * int(value) + 25
     : int(clamp(floor(position * float(SCALE) + 0.5), 0.0, float(SCALE)));

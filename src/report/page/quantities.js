@@ -72,9 +72,9 @@ export function spread(values) {
 }
 
 // The automatic range of a quantity over all meshes shown, as the program chooses it.
-export function automatic(definition, spreads) {
+export function automatic(definition, spreads, isDifference) {
   if (definition.name === "class") return [0, 5];
-  if (definition.name === "shape_index") return [-1, 1];
+  if (definition.name === "shape_index" && !isDifference) return [-1, 1];
   const reach = Math.max(0, ...spreads.filter(Boolean).map((s) => s.reach)) || 1;
   return definition.signed ? [-reach, reach] : [0, reach];
 }

@@ -1,6 +1,6 @@
 // The colour scale: quantity, map, and a histogram whose ends can be dragged.
 
-import { choice, h, section, select, themed } from "./elements.js";
+import { choice, h, section, select, themed, toggle } from "./elements.js";
 import { count, percent, short, ticks, unitOf } from "./format.js";
 import { bins, Plot } from "./plots.js";
 import { symbol, title } from "./quantities.js";
@@ -14,21 +14,26 @@ export function scaleSection(state) {
   map.element.id = "map";
   const plot = new ScalePlot(state);
   const log = choice("Counts", [["linear", "linear"], ["log", "log"]], "linear", (kind) => plot.setLog(kind === "log"));
-  const reset = h("button", { type: "button", class: "quiet", onclick: () => state.setRange(...state.automaticRange()) }, "Automatic range");
+  const difference = state.canSubtract ? toggle("Difference, B − A", false, (on) => state.subtract(on)) : null;
+  const reset = h("button", { type: "button", class: "quiet", onclick: () => state.setRange(...state.automaticRange()) }, "Automatic");
+  const within = h("button", { type: "button", class: "quiet", onclick: () => {
+    const { values, range: [low, high] } = state;
+    state.select(`${symbol(state.quantity)} from ${short(low, 3)} to ${short(high, 3)}`, (m, f) => values[m][f] >= low && values[m][f] <= high, false, { [state.quantity]: [low, high] });
+  } }, "Select range");
   const summary = h("p", { class: "note", id: "clipped" });
   const percentiles = h("div", { class: "percentiles", id: "percentiles" });
   const refresh = () => {
     quantity.element.value = state.quantity;
     const isClass = state.quantity === "class";
     map.row.hidden = isClass;
-    reset.hidden = isClass;
+    reset.hidden = within.hidden = isClass;
     if (!isClass) map.element.value = state.map;
     tell(state, summary, percentiles);
   };
   state.on("quantity", refresh);
   state.on("range", refresh);
   refresh();
-  return section("Colour", h("div", { class: "fields" }, quantity.row, map.row), plot.element, percentiles, h("div", { class: "bar" }, log, reset), summary);
+  return section("Colour", h("div", { class: "fields" }, quantity.row, map.row), difference, plot.element, percentiles, h("div", { class: "bar" }, log, h("div", { class: "buttons" }, within, reset)), summary);
 }
 
 // How many faces lie outside, and the percentiles.
@@ -53,12 +58,12 @@ function tell(state, summary, percentiles) {
   percentiles.replaceChildren();
   if (isClass) return;
   const unit = unitOf(state.definition().dimension, state.models[0].facts.unit);
-  state.spreadOf(state.quantity).forEach((s, m) => {
+  state.shownSpread().forEach((s, m) => {
     if (!s) return;
     const cells = [["min", s.min], ["5 %", s.p5], ["25 %", s.p25], ["median", s.p50], ["75 %", s.p75], ["95 %", s.p95], ["max", s.max]];
     const label = state.models.length > 1 ? h("caption", {}, "AB"[m]) : null;
     percentiles.append(
-      h("table", { "aria-label": `Percentiles of ${title(state.quantity)}, ${unit || "no unit"}` }, label,
+      h("table", { "aria-label": `Percentiles of ${state.title()}, ${unit || "no unit"}` }, label,
         h("thead", {}, h("tr", {}, cells.map(([name]) => h("th", { scope: "col" }, name)))),
         h("tbody", {}, h("tr", {}, cells.map(([, value]) => h("td", {}, short(value, 3)))))),
     );
@@ -83,12 +88,12 @@ class ScalePlot extends Plot {
   refresh(event) {
     const { state } = this;
     if (event === "quantity" || !this.domain) {
-      const spreads = state.spreadOf(state.quantity).filter(Boolean);
+      const spreads = state.shownSpread().filter(Boolean);
       const [low, high] = state.automaticRange();
       const least = Math.min(low, ...spreads.map((s) => s.p1));
       const most = Math.max(high, ...spreads.map((s) => s.p99));
       const room = state.quantity === "class" ? 0 : 0.06 * (most - least);
-      const bounded = ["shape_index", "coverage", "confidence", "class"].includes(state.quantity);
+      const bounded = !state.isDifference() && ["shape_index", "coverage", "confidence", "class"].includes(state.quantity);
       this.domain = bounded ? [low, high] : [least - room, most + room];
       const isClass = state.quantity === "class";
       this.counts = state.values.map((values) => bins(values, ...this.domain, isClass ? 5 : 96));
@@ -141,8 +146,8 @@ class ScalePlot extends Plot {
       context.fillStyle = color(isClass ? Math.min(0.999, x / box.width) : (value - low) / (high - low));
       context.fillRect(box.x + x, bar, 1.5, 8);
     }
-    if (isClass) this.axisOfClasses(context, box, bar + 10);
-    else this.axis(context, box, domain, bar + 10);
+    if (isClass) this.axisOfClasses(context, box, bar + 12);
+    else this.axis(context, box, domain, bar + 13);
     const at = (value) => (100 * (value - domain[0])) / (domain[1] - domain[0]);
     this.handles.forEach((handle, i) => {
       const share = Math.max(0, Math.min(100, at(state.range[i])));

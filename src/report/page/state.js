@@ -1,7 +1,7 @@
 // What is shown, and who wants to know when it changes.
 
 import { palette } from "./data.js";
-import { automatic, fill, spread } from "./quantities.js";
+import { automatic, fill, spread, title, valueAt } from "./quantities.js";
 
 export class State {
   constructor(facts, models) {
@@ -14,6 +14,7 @@ export class State {
     this.values = models.map((model) => new Float32Array(model.faces));
     this.marks = models.map((model) => new Uint8Array(model.faces));
     this.spreads = new Map();
+    this.subtracts = false;
     this.selected = models.map(() => 0);
     this.selection = null;
     this.pointed = { model: -1, face: -1 };
@@ -37,24 +38,62 @@ export class State {
   }
 
   definition(name = this.quantity) {
-    return this.definitions.find((definition) => definition.name === name);
+    const definition = this.definitions.find((known) => known.name === name);
+    return this.isDifference() ? { ...definition, signed: true, map: "blue-red" } : definition;
+  }
+
+  // Two meshes with the same faces can be subtracted.
+  get canSubtract() {
+    const [a, b] = this.models;
+    return b !== undefined && a.faces === b.faces && !a.numbers && !b.numbers && a.corners.every((v, c) => v === b.corners[c]);
+  }
+
+  isDifference() {
+    return this.subtracts && this.quantity !== "class";
+  }
+
+  title() {
+    return this.isDifference() ? `${title(this.quantity)}, B − A` : title(this.quantity);
+  }
+
+  // The values of the shown quantity, or those of B less those of A for both.
+  fill(name, m, out) {
+    fill(this.models[this.subtracts && name !== "class" ? 1 : m], name, out);
+    if (!this.subtracts || name === "class") return out;
+    for (let f = 0; f < out.length; f++) out[f] -= valueAt(this.models[0], name, f);
+    return out;
   }
 
   // The spread of a quantity in each mesh, worked out once.
   spreadOf(name) {
-    if (!this.spreads.has(name)) {
-      this.spreads.set(name, this.models.map((model) => spread(fill(model, name, new Float32Array(model.faces)))));
-    }
-    return this.spreads.get(name);
+    return this.known(name, (m, out) => fill(this.models[m], name, out));
   }
 
-  automaticRange(name = this.quantity) {
-    return automatic(this.definition(name), this.spreadOf(name));
+  // The spread of what is shown.
+  shownSpread() {
+    if (!this.isDifference()) return this.spreadOf(this.quantity);
+    return this.known(this.title(), (m, out) => this.fill(this.quantity, m, out));
+  }
+
+  known(key, values) {
+    if (!this.spreads.has(key)) {
+      this.spreads.set(key, this.models.map((model, m) => spread(values(m, new Float32Array(model.faces)))));
+    }
+    return this.spreads.get(key);
+  }
+
+  automaticRange() {
+    return automatic(this.definition(), this.shownSpread(), this.isDifference());
+  }
+
+  subtract(on) {
+    this.subtracts = on;
+    this.show(this.quantity);
   }
 
   show(name, map, range) {
-    this.quantity = this.definition(name) ? name : "mean";
-    this.models.forEach((model, m) => fill(model, this.quantity, this.values[m]));
+    this.quantity = this.definitions.some((known) => known.name === name) ? name : "mean";
+    this.models.forEach((_, m) => this.fill(this.quantity, m, this.values[m]));
     this.map = map ?? this.definition().map;
     this.range = range ?? this.automaticRange();
     this.emit("quantity");

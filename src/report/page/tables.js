@@ -3,7 +3,6 @@
 import { numberOf } from "./data.js";
 import { facts, h, name, section, table } from "./elements.js";
 import { count, percent, short, unitOf } from "./format.js";
-import { title } from "./quantities.js";
 
 const EXTREMES = 5;
 
@@ -48,7 +47,7 @@ function extremesSection(state, fly) {
         short(model.confidence[face], 2),
       ]));
       if (state.models.length > 1) body.append(h("h3", {}, "AB"[m]));
-      body.append(table(["Place", "", unit ? `Value, ${unit}` : "Value", "Confidence"], rows, `Extremes of ${title(state.quantity)}`));
+      body.append(table(["Place", "", unit ? `Value, ${unit}` : "Value", "Confidence"], rows, `Extremes of ${state.title()}`));
     });
   };
   state.on("quantity", refresh);

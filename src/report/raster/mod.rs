@@ -50,8 +50,9 @@ const PAPER: Rgb = [250, 249, 246];
 /// Colours of boundary, feature and non-manifold edges: the page's.
 const EDGES: [(EdgeKind, Rgb); 3] =
     [(EdgeKind::Boundary, [176, 112, 0]), (EdgeKind::Feature, [52, 58, 64]), (EdgeKind::NonManifold, [200, 30, 90])];
-/// Feature edges are drawn up to this share of all faces; beyond, they would hide the surface.
-const FEW: f64 = 0.08;
+/// Feature edges are drawn up to this number or this share of all faces; beyond, they would hide the surface.
+const FEW: f64 = 5000.0;
+const FEW_OF_ALL: f64 = 0.08;
 /// Width of a drawn edge in pixels, on a picture a thousand pixels wide.
 const EDGE_WIDTH: f64 = 1.4;
 
@@ -97,7 +98,7 @@ fn over([r, g, b, alpha]: [u8; 4], paper: Rgb) -> Rgb {
 /// The classified edges as they lie on the screen.
 fn lines(subject: &Subject, display: &Display, camera: &Camera, width: f64) -> Vec<Line> {
     let mesh = &subject.mesh;
-    let too_many = mesh.report().edges.feature as f64 > FEW * mesh.face_count() as f64;
+    let too_many = mesh.report().edges.feature as f64 > FEW.max(FEW_OF_ALL * mesh.face_count() as f64);
     let color = |kind: EdgeKind| {
         let wanted = EDGES.iter().find(|(of, _)| *of == kind && !(kind == EdgeKind::Feature && too_many));
         wanted.map(|(_, rgb)| Vec3::from_array(rgb.map(linear_factor)))
