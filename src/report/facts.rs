@@ -113,6 +113,7 @@ pub(super) fn of(subject: &Subject, display: &Display, packed: &Packed) -> Value
         "vertices": packed.vertices,
         "low": (packed.low + origin).to_array(),
         "step": packed.step,
+        "size": packed.size,
         "arrays": packed.arrays.iter().map(|a| json!({ "name": a.name, "count": a.count, "planes": a.planes })).collect::<Vec<_>>(),
     })
 }

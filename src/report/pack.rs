@@ -27,6 +27,8 @@ pub(super) struct Packed {
     pub(super) low: DVec3,
     /// Length of one step of the quantised coordinates.
     pub(super) step: f64,
+    /// Longest side of the box around the drawn faces.
+    pub(super) size: f64,
     pub(super) vertices: usize,
     pub(super) arrays: Vec<Array>,
 }
@@ -39,7 +41,7 @@ const STEPS_PER_EDGE: f64 = 256.0;
 /// Packs the drawn faces. One value for each of them stands in every per-face array.
 pub(super) fn pack(mesh: &Mesh, values: &[FaceCurvature], display: &Display) -> Packed {
     let (order, codes) = by_first_use(display);
-    let (low, step) = grid(display, &order);
+    let (low, size, step) = grid(display, &order);
     let count = display.corners.len();
     let of_face = |name, bits: &(dyn Fn(Face, &FaceCurvature) -> u32 + Sync)| {
         let bits = |i: usize| bits(display.number(i), &values[display.number(i).index()]);
@@ -71,7 +73,7 @@ pub(super) fn pack(mesh: &Mesh, values: &[FaceCurvature], display: &Display) -> 
             array("numbers", numbers.iter().map(|&n| n - std::mem::replace(&mut before, n)).collect())
         }))
         .collect();
-    Packed { low, step, vertices: order.len(), arrays }
+    Packed { low, step, size, vertices: order.len(), arrays }
 }
 
 /// The vertices in the order of their first use, and for every corner how far its vertex lies behind the
@@ -94,11 +96,11 @@ fn by_first_use(display: &Display) -> (Vec<u32>, Vec<u32>) {
     (order, codes)
 }
 
-/// The least corner of the box and the length of a step: fine enough for short edges, at most 2^21 steps.
-fn grid(display: &Display, order: &[u32]) -> (DVec3, f64) {
+/// The least corner of the box, its longest side and the length of a step: fine enough for short edges, at most 2^21 steps.
+fn grid(display: &Display, order: &[u32]) -> (DVec3, f64, f64) {
     let used = order.iter().map(|&v| display.positions[v as usize]);
     let (low, high) = used.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
-    let size = (high - low).max_element();
+    let size = (high - low).max_element().min(f64::MAX);
     // Every so many faces tell enough of the edges' lengths.
     let every = (display.corners.len() / 10_000).max(1);
     let mut edges: Vec<f64> = (0..display.corners.len())
@@ -111,7 +113,7 @@ fn grid(display: &Display, order: &[u32]) -> (DVec3, f64) {
     let short = edges.get(edges.len() / 4).copied().unwrap_or(size);
     let finest = size / f64::from(1 << 21);
     let step = (short / STEPS_PER_EDGE).clamp(finest, size / f64::from(1 << 14));
-    if step > 0.0 && step.is_finite() { (low, step) } else { (low, 1.0) }
+    if step > 0.0 { (low, size, step) } else { (low, 1.0, 1.0) }
 }
 
 /// Differences of quantised coordinates from vertex to vertex, all x, all y, all z; the sign in the lowest bit.

@@ -22,14 +22,14 @@ pub(super) fn thin(display: &mut Display, most: usize) {
     for _ in 0..ATTEMPTS {
         let (of_vertex, kept) = cluster(display, low, size / cells);
         let count = kept.len();
-        if count <= most {
+        if (1..=most).contains(&count) {
             least = cells;
             let is_enough = count as f64 >= ENOUGH * most as f64;
             best = Some((of_vertex, kept));
             if is_enough {
                 break;
             }
-        } else {
+        } else if count > most {
             greatest = cells;
         }
         let wanted = cells * (0.9 * most as f64 / count.max(1) as f64).sqrt();

@@ -37,11 +37,11 @@ function corners(codes) {
   return codes;
 }
 
-// Steps from vertex to vertex, axis after axis; relative to the middle of the box, in file units.
+// Steps from vertex to vertex, axis after axis; relative to the middle of the box.
 function positions(codes, step) {
   const size = codes.length / 3;
   const placed = new Float32Array(codes.length);
-  const [low, high] = [[0, 0, 0], [0, 0, 0]];
+  const half = [0, 0, 0];
   for (let axis = 0; axis < 3; axis++) {
     let [at, greatest] = [0, 0];
     for (let i = 0; i < size; i++) {
@@ -50,21 +50,22 @@ function positions(codes, step) {
       if (at > greatest) greatest = at;
       placed[3 * i + axis] = at;
     }
-    high[axis] = greatest * step;
     const middle = greatest / 2;
+    half[axis] = middle * step;
     for (let i = axis; i < placed.length; i += 3) placed[i] = (placed[i] - middle) * step;
   }
-  return { placed, half: high.map((h, axis) => (h - low[axis]) / 2) };
+  return { placed, half };
 }
 
 const floats = (bits) => new Float32Array(bits.buffer);
 const shares = (codes) => Float32Array.from(codes, (code) => code / 255);
 
-// One mesh with its arrays by name, one number for each face, and the corners of faces.
-async function model(facts, id) {
+// One mesh with its arrays by name, one number for each face, and the corners of faces. What is drawn is `scale`
+// times as large as in the file, so that 32-bit floats hold it whatever the unit.
+async function model(facts, id, scale) {
   const found = await Promise.all(facts.arrays.map((array) => numbers(id, array)));
   const raw = Object.fromEntries(facts.arrays.map((array, i) => [array.name, found[i]]));
-  const { placed, half } = positions(raw.positions, facts.step);
+  const { placed, half } = positions(raw.positions, facts.step * scale);
   let face = 0;
   return {
     id,
@@ -73,7 +74,7 @@ async function model(facts, id) {
     corners: corners(raw.corners),
     positions: placed,
     half,
-    center: half.map((h, axis) => facts.low[axis] + h),
+    scale,
     k_max: floats(raw.k_max),
     k_min: floats(raw.k_min),
     gauss_perimeter: raw.gauss_perimeter && floats(raw.gauss_perimeter),
@@ -92,7 +93,9 @@ export async function load(facts) {
   if (typeof DecompressionStream === "undefined") {
     throw new Error("this browser cannot unpack the data; one from 2023 or later can");
   }
-  return Promise.all(facts.models.map(model));
+  const size = Math.max(...facts.models.map((m) => m.size));
+  const scale = 2 ** -Math.floor(Math.log2(size));
+  return Promise.all(facts.models.map((m, id) => model(m, id, scale)));
 }
 
 // The number in the input of the face at an index.

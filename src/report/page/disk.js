@@ -11,7 +11,7 @@ const MOST = 4000;
 
 // Chains of points: the legs, the rim through their ends, and the two principal directions.
 export function disk(model, face) {
-  const radius = model.radius[face] * scaleOf(model, face);
+  const radius = model.radius[face] * scaleOf(model, face) * model.scale;
   if (!(radius > 0) || model.classes[face] < 0) return null;
   const frame = { centre: center(model, face), normal: normal(model, face) };
   const along = direction(model, face);

@@ -96,9 +96,9 @@ export function twins(model) {
   return twin;
 }
 
-// Length and dihedral angle (degrees; NaN without two faces) of every edge, and the faces beside it.
+// Length in file units and dihedral angle (degrees; NaN without two faces) of every edge, and the faces beside it.
 export function edgeValues(model, vectors) {
-  const { corners, positions: p, twin } = model;
+  const { corners, positions: p, twin, scale } = model;
   let size = 0;
   for (let h = 0; h < twin.length; h++) if (twin[h] < 0 || twin[h] > h) size++;
   const [lengths, angles] = [new Float32Array(size), new Float32Array(size)];
@@ -108,7 +108,7 @@ export function edgeValues(model, vectors) {
     const other = twin[h];
     if (other >= 0 && other < h) continue;
     const [a, b] = [3 * corners[h], 3 * corners[h % 3 === 2 ? h - 2 : h + 1]];
-    lengths[e] = Math.hypot(p[b] - p[a], p[b + 1] - p[a + 1], p[b + 2] - p[a + 2]);
+    lengths[e] = Math.hypot(p[b] - p[a], p[b + 1] - p[a + 1], p[b + 2] - p[a + 2]) / scale;
     const [f, g] = [(h / 3) | 0, other < 0 ? -1 : (other / 3) | 0];
     first[e] = f;
     second[e] = g;

@@ -80,7 +80,7 @@ async function main() {
   // Goes to a face; with `turn`, until it is seen from the front.
   const fly = ({ model: m, face }, turn = true) => {
     const model = models[m];
-    const span = Math.max(6 * (model.radius[face] || 0), 0.06 * view.reach);
+    const span = Math.max(6 * model.scale * (model.radius[face] || 0), 0.06 * view.reach);
     const goal = { target: center(model, face), distance: Math.min(camera.distance, Math.max(3 * span, 0.05 * view.reach)) };
     if (turn) {
       const [a, b, up] = camera.level;

@@ -87,7 +87,9 @@ impl Camera {
         let [r, l, a, b] = reach;
         let centre = centre + 0.5 * (r - l) * right + 0.5 * (a - b) * up;
         let needed = (0.5 * (r + l) / slope_x).max(0.5 * (a + b) / slope_y);
-        let distance = if needed > 0.0 { needed } else { 1.0 };
+        // A mesh that is a line along the view would end in the viewer's eye.
+        let distance = needed + 0.01 * (high - low).length();
+        let distance = if distance > 0.0 { distance } else { 1.0 };
         Camera { right, up, back, centre, distance, focal, middle: [0.5 * width, 0.5 * height] }
     }
 

@@ -66,7 +66,7 @@ pub(super) fn picture(subject: &Subject, display: &Display, colors: &ColorScale,
     let scene = Scene {
         corners: &display.corners,
         vertices: display.positions.iter().map(|&p| camera.project(p)).collect(),
-        normals: normals::of_corners(display).into_iter().map(|n| n.map(|n| camera.turn(n))).collect(),
+        normals: normals::of_corners(display, |n| camera.turn(n)),
         colors: (0..display.corners.len())
             .map(|i| linear[colors.color_index(&subject.values[display.number(i).index()])])
             .collect(),

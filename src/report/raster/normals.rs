@@ -1,14 +1,14 @@
 //! Normals at the corners of faces: those of the faces around, but not across a crease.
 
 use super::super::display::Display;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Cosine of the angle between faces above which an edge looks like a crease.
 const CREASE: f64 = 0.766;
 
-/// Unit normals of the three corners of every face, by area; zero for a face without area.
-pub(super) fn of_corners(display: &Display) -> Vec<[DVec3; 3]> {
+/// Unit normals of the three corners of every face, by area, as `turn` sees them; zero for a face without area.
+pub(super) fn of_corners(display: &Display, turn: impl Fn(DVec3) -> Vec3 + Sync) -> Vec<[Vec3; 3]> {
     let areas: Vec<DVec3> = (0..display.corners.len())
         .into_par_iter()
         .map(|i| {
@@ -37,5 +37,5 @@ pub(super) fn of_corners(display: &Display) -> Vec<[DVec3; 3]> {
         let sum: DVec3 = alike.map(|f| areas[f]).sum();
         sum.try_normalize().unwrap_or(units[face])
     };
-    (0..display.corners.len()).into_par_iter().map(|f| display.corners[f].map(|v| corner(f, v))).collect()
+    (0..display.corners.len()).into_par_iter().map(|f| display.corners[f].map(|v| turn(corner(f, v)))).collect()
 }
