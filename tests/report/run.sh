@@ -53,10 +53,7 @@ hostile="$out/\"'><img src=x onerror=hacked=1>$(printf '\342\200\256')lts.obj"
 } >"$hostile"
 report "$hostile" -o "$out/hostile.html"
 # Too small for 32-bit curvature: no face has an estimate.
-{
-    echo "v 0 0 0"; echo "v 1e-25 0 0"; echo "v 0 1e-25 0"; echo "v 0 0 1e-25"
-    echo "f 1 3 2"; echo "f 1 2 4"; echo "f 2 3 4"; echo "f 3 1 4"
-} >"$out/tiny.obj"
-report "$out/tiny.obj" --feature-angle 180 -o "$out/tiny.html"
+run synth sphere --radius 1e-25 --faces 600 -o "$out/tiny.obj"
+report "$out/tiny.obj" -o "$out/tiny.html"
 
 node page.mjs "$out" "$screenshots" "$(command -v chromium)"
