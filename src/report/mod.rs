@@ -147,7 +147,7 @@ pub fn report(
     let mut page = page;
     let mut picture = picture;
     if let Some(out) = &mut page {
-        page::write(out, facts::shared(options), models).map_err(|e| out.error(e))?;
+        page::write(out, &facts::shared(options), &models).map_err(|e| out.error(e))?;
     }
     if let Some(out) = &mut picture {
         std::io::Write::write_all(out, &pictured).map_err(|e| out.error(e))?;

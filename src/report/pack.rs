@@ -45,7 +45,7 @@ pub(super) fn pack(mesh: &Mesh, values: &[FaceCurvature], display: &Display) -> 
     let count = display.corners.len();
     let of_face = |name, bits: &(dyn Fn(Face, &FaceCurvature) -> u32 + Sync)| {
         let bits = |i: usize| bits(display.number(i), &values[display.number(i).index()]);
-        array(name, (0..count).into_par_iter().map(bits).collect())
+        array(name, &(0..count).into_par_iter().map(bits).collect::<Vec<_>>())
     };
     // A few faces have it whatever the estimator: those that fell back on sections.
     let with_perimeter = values.iter().filter(|v| v.gauss_perimeter.is_finite()).count();
@@ -56,8 +56,8 @@ pub(super) fn pack(mesh: &Mesh, values: &[FaceCurvature], display: &Display) -> 
             Some(match which {
                 0 => of_face("k_max", &|_, v| v.k_max.to_bits()),
                 1 => of_face("k_min", &|_, v| v.k_min.to_bits()),
-                2 => array("corners", codes.clone()),
-                3 => array("positions", steps(display, &order, low, step)),
+                2 => array("corners", &codes),
+                3 => array("positions", &steps(display, &order, low, step)),
                 4 => of_face("direction", &|f, v| direction(v.dir_max, display, f)),
                 5 => of_face("radius", &|_, v| coarse(v.radius)),
                 6 => of_face("confidence", &|_, v| share(v.confidence)),
@@ -70,7 +70,8 @@ pub(super) fn pack(mesh: &Mesh, values: &[FaceCurvature], display: &Display) -> 
         })
         .chain(display.numbers.as_ref().map(|numbers| {
             let mut before = 0;
-            array("numbers", numbers.iter().map(|&n| n - std::mem::replace(&mut before, n)).collect())
+            let steps: Vec<u32> = numbers.iter().map(|&n| n - std::mem::replace(&mut before, n)).collect();
+            array("numbers", &steps)
         }))
         .collect();
     Packed { low, step, size, vertices: order.len(), arrays }
@@ -184,7 +185,7 @@ fn edges(mesh: &Mesh, face: Face, display: &Display) -> u32 {
 }
 
 /// Splits the numbers into planes of bytes, which deflate finds more in, and deflates them.
-fn array(name: &'static str, bits: Vec<u32>) -> Array {
+fn array(name: &'static str, bits: &[u32]) -> Array {
     let union = bits.iter().fold(0, |all, &b| all | b);
     let planes = (4 - union.leading_zeros() as usize / 8).max(1);
     let mut deflated = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));

@@ -48,7 +48,7 @@ pub(super) struct Model {
 }
 
 /// Writes the page.
-pub(super) fn write(out: &mut dyn Write, shared: Value, models: Vec<Model>) -> io::Result<()> {
+pub(super) fn write(out: &mut dyn Write, shared: &Value, models: &[Model]) -> io::Result<()> {
     let names: Vec<&str> = models.iter().filter_map(|model| model.facts["name"].as_str()).collect();
     let title = format!("{} - curvature", names.join(" and "));
     for (i, part) in TEMPLATE.split("<!--").enumerate() {
@@ -58,7 +58,7 @@ pub(super) fn write(out: &mut dyn Write, shared: Value, models: Vec<Model>) -> i
                     "title" => out.write_all(text(&title).as_bytes())?,
                     "style" => out.write_all(STYLE.as_bytes())?,
                     "shaders" => shaders(out)?,
-                    "data" => data(out, &shared, &models)?,
+                    "data" => data(out, shared, models)?,
                     "script" => script(out)?,
                     _ => {}
                 }
@@ -147,7 +147,7 @@ mod tests {
     fn page(name: &str) -> String {
         let model = Model { facts: json!({ "name": name, "groups": [{ "name": name }] }), arrays: Vec::new() };
         let mut out = Vec::new();
-        write(&mut out, json!({ "schema": 1 }), vec![model]).expect("memory");
+        write(&mut out, &json!({ "schema": 1 }), &[model]).expect("memory");
         String::from_utf8(out).expect("text")
     }
 

@@ -71,7 +71,7 @@ impl Subject {
         let values = match reused {
             Some(values) => values,
             None => {
-                let mut curvature = options.curvature.clone();
+                let mut curvature = options.curvature;
                 curvature.perimeter |=
                     curvature.estimator == Estimator::Auto && options.color_by == Quantity::GaussPerimeter;
                 curvature::estimate(&mesh, &curvature, progress)?
@@ -101,8 +101,7 @@ impl Subject {
 
 /// The settings that decide the values, as statistics have them.
 fn settings(options: &ReportOptions) -> Value {
-    let all =
-        AnnotateOptions { mesh: options.mesh, curvature: options.curvature.clone(), ..AnnotateOptions::default() };
+    let all = AnnotateOptions { mesh: options.mesh, curvature: options.curvature, ..AnnotateOptions::default() };
     let all = all.provenance();
     json!(OF_ESTIMATION.iter().map(|&name| (name, all[name].clone())).collect::<std::collections::BTreeMap<_, _>>())
 }
