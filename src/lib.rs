@@ -19,7 +19,7 @@
 //! # Ok::<(), osculate::Error>(())
 //! ```
 //!
-//! The whole job in one call, as the command line does it, is [`annotate`]. What every quantity
+//! The whole job in one call, as the command line does it, is [`annotate`]; a page to look at is [`report`]. What every quantity
 //! means, with formula, unit, sign and range: `docs/quantities.md`. Why things are as they are:
 //! `docs/decisions.md`.
 

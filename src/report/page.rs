@@ -175,6 +175,20 @@ mod tests {
     }
 
     #[test]
+    fn the_modules_names_do_not_meet() {
+        let mut seen = std::collections::BTreeSet::new();
+        for line in MODULES.into_iter().flat_map(str::lines).map(|line| line.strip_prefix("export ").unwrap_or(line)) {
+            let words: Vec<&str> = line.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+            let name = match words.as_slice() {
+                ["async", "function", name, ..] | ["function" | "class" | "const" | "let", name, ..] => *name,
+                _ => continue,
+            };
+            assert!(name.is_empty() || seen.insert(name), "{name} stands in two modules");
+        }
+        assert!(seen.len() > 100, "{} names", seen.len());
+    }
+
+    #[test]
     fn the_modules_leave_no_import_behind() {
         let page = page("part");
         assert!(!page.lines().any(|line| line.starts_with("import ") || line.starts_with("export ")));
