@@ -19,9 +19,9 @@
 //! # Ok::<(), osculate::Error>(())
 //! ```
 //!
-//! The whole job in one call, as the command line does it, is [`annotate`]; a page to look at is [`report`]. What every quantity
-//! means, with formula, unit, sign and range: `docs/quantities.md`. Why things are as they are:
-//! `docs/decisions.md`.
+//! The whole job in one call, as the command line does it, is [`annotate`]; a page to look at is
+//! [`report`](report()). What every quantity means, with formula, unit, sign and range: `docs/quantities.md`. Why
+//! things are as they are: `docs/decisions.md`.
 
 mod annotate;
 mod annotation;
