@@ -86,6 +86,10 @@ pub(super) fn of(subject: &Subject, display: &Display, packed: &Packed) -> Value
     let path = std::path::Path::new(&subject.inspection.input);
     let file = path.file_name().filter(|_| !subject.name.is_empty());
     inspection["input"] = json!(file.map_or("standard input".into(), |name| name.to_string_lossy()));
+    if subject.unit.is_some() {
+        let others = subject.inspection.suggestions.iter().filter(|suggestion| !suggestion.contains("--unit"));
+        inspection["suggestions"] = others.cloned().collect();
+    }
     let mut groups: Vec<Value> = subject
         .groups
         .iter()
