@@ -180,7 +180,9 @@ function regions(state, context, at, sx, sy, box) {
     return `rgb(${rgba[i]} ${rgba[i + 1]} ${rgba[i + 2]} / ${alpha})`;
   };
   const [model] = state.models;
-  const tolerance = (model.facts.settings.class_tolerance ?? 0.05) / (medianRadius(model) || 1);
+  // Without a radius, as files may leave it out, only the borders of the regions are known.
+  const radius = medianRadius(model);
+  const tolerance = radius ? (model.facts.settings.class_tolerance ?? 0.05) / radius : 0;
   const { low, high } = sx;
   const rectangle = (x0, x1, y0, y1, code) => {
     const [[left, top], [right, bottom]] = [at(x0, y1), at(x1, y0)];
