@@ -210,7 +210,7 @@ impl AnnotateOptions {
     }
 
     /// All that is needed to repeat a run, as it stands in files and statistics.
-    fn provenance(&self) -> Value {
+    pub(crate) fn provenance(&self) -> Value {
         let curvature = &self.curvature;
         let (radius, radius_factor) = match curvature.radius {
             Radius::Auto => (Some(json!("auto")), None),
@@ -390,18 +390,20 @@ fn chosen(select: &Condition, values: &[FaceCurvature], input: &Path) -> Result<
     Ok(faces.into())
 }
 
+/// The settings that decide the values.
+pub(crate) const OF_ESTIMATION: [&str; 7] =
+    ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
+
 /// Values that are used again were estimated with the settings of their own run.
-fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
-    let of_estimation =
-        ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
-    for name in of_estimation {
+pub(crate) fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
+    for name in OF_ESTIMATION {
         provenance[name] = stored.settings.get(name).cloned().unwrap_or_default();
     }
     provenance["reused"] = true.into();
 }
 
 /// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits.
-fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
+pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     // Flat faces lose nothing by it.
     let bent = || values.iter().filter(|v| v.is_estimated() && v.class != FaceClass::Flat);
     let of_disks = bent().filter(|v| v.method == Method::Sections && v.coverage < 0.5).count();

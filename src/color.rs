@@ -81,6 +81,12 @@ impl Colormap {
         }
     }
 
+    /// All maps and that of the classes.
+    pub(crate) fn all() -> impl Iterator<Item = Colormap> {
+        let classes = Colormap::default_for(Quantity::Class);
+        Colormap::names().map(|name| Colormap { name }).chain([classes])
+    }
+
     /// Its name.
     pub fn name(self) -> &'static str {
         self.name

@@ -89,7 +89,7 @@ fn scale(annotation: &Annotation<'_>, colors: &ColorScale) -> Scale {
 }
 
 /// A number of three digits.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }

@@ -19,9 +19,9 @@
 //! # Ok::<(), osculate::Error>(())
 //! ```
 //!
-//! The whole job in one call, as the command line does it, is [`annotate`]. What every quantity
-//! means, with formula, unit, sign and range: `docs/quantities.md`. Why things are as they are:
-//! `docs/decisions.md`.
+//! The whole job in one call, as the command line does it, is [`annotate`]; a page to look at is
+//! [`report`](report()). What every quantity means, with formula, unit, sign and range: `docs/quantities.md`. Why
+//! things are as they are: `docs/decisions.md`.
 
 mod annotate;
 mod annotation;
@@ -41,6 +41,7 @@ mod numbers;
 mod place;
 mod progress;
 mod quantity;
+mod report;
 mod section;
 mod soup;
 mod statistics;
@@ -83,6 +84,7 @@ pub use mesh::{
 pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};
 pub use quantity::{Quantity, Selection};
+pub use report::{PictureOptions, ReportOptions, Reported, ViewFrom, report};
 pub use section::{Crossing, Features, Plane, Stop};
 pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};

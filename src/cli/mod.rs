@@ -10,6 +10,7 @@ mod messages;
 mod parse;
 mod place;
 mod progress;
+mod report;
 mod section;
 mod synth;
 mod trace;
@@ -62,6 +63,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Annotate(args) => annotate::run(args, &messages),
         Command::Batch(args) => batch::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
+        Command::Report(args) => report::run(args, &messages),
         Command::Disk(args) => disk::run(args, &messages),
         Command::Trace(args) => trace::run(args, &messages),
         Command::Section(args) => section::run(args, &messages),

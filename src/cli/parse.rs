@@ -1,7 +1,7 @@
 //! Values of options that are more than a number or a word.
 
 use glam::DVec3;
-use osculate::{Quantity, Radius, Range};
+use osculate::{Quantity, Radius, Range, ViewFrom};
 
 pub(super) fn radius(text: &str) -> Result<Radius, String> {
     match text {
@@ -70,6 +70,22 @@ pub(super) fn cells(text: &str) -> Result<[usize; 2], String> {
         Ok(&[u @ 1..=30_000, v @ 1..=30_000]) => Ok([u, v]),
         _ => Err("give two numbers from 1 to 30000 separated by a comma".into()),
     }
+}
+
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides: Option<(u32, u32)> =
+        text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    sides.map(|(width, height)| [width, height]).ok_or_else(|| "give WIDTHxHEIGHT, such as 1200x900".into())
+}
+
+pub(super) fn view(text: &str) -> Result<ViewFrom, String> {
+    Ok(match text {
+        "iso" => ViewFrom::Iso,
+        "x" => ViewFrom::X,
+        "y" => ViewFrom::Y,
+        "z" => ViewFrom::Z,
+        _ => ViewFrom::Along(vector(text).map_err(|_| "give iso, x, y, z, or three numbers separated by commas")?),
+    })
 }
 
 pub(super) fn threads(text: &str) -> Result<usize, String> {

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::io::{self, InputFormat, ReadOptions};
 use crate::mesh::{Bounds, Face, FaceState, HalfEdge, Mesh, MeshOptions, MeshReport};
 use crate::progress::Progress;
-use crate::soup::{Note, Scene, Transform};
+use crate::soup::{Note, Scene, Soup, Transform};
 use glam::{DMat4, DQuat, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -112,28 +112,35 @@ pub fn inspect_with(
     options.check()?;
     let (soup, format) = io::read_with(input, reading, progress)?;
     let mesh = Mesh::from_soup(&soup, options).map_err(|e| e.in_file(input))?;
-    let edge_lengths = edge_lengths(&mesh);
-    let report = mesh.report().clone();
-    Ok(Inspection {
-        input: input.display().to_string(),
-        format,
-        suggestions: hints::suggest(&mesh, &soup, format, edge_lengths, options),
-        oriented: report.flipped_faces + report.non_orientable_components == 0,
-        manifold: report.edges.non_manifold == 0,
-        defects: places::defects(&mesh),
-        edge_lengths,
-        area: (0..mesh.face_count() as u32).map(|f| mesh.area(Face(f))).filter(|a| a.is_finite()).sum(),
-        silhouette_edges: view.map(|view| count_silhouette(&mesh, view)),
-        groups: soup.groups.len(),
-        metres_per_unit: soup.metres_per_unit,
-        scene: mesh.scene().map(|scene| summarise(scene, &mesh)),
-        feature_angle: options.feature_angle,
-        notes: soup.notes.into_iter().chain(report.remarks().into_iter().map(Note::info)).collect(),
-        report,
-    })
+    let found = Inspection::of(input, &soup, format, &mesh, options);
+    Ok(Inspection { silhouette_edges: view.map(|view| count_silhouette(&mesh, view)), ..found })
 }
 
 impl Inspection {
+    /// What is in a file that was read and welded already.
+    pub(crate) fn of(input: &Path, soup: &Soup, format: InputFormat, mesh: &Mesh, options: &MeshOptions) -> Self {
+        let edge_lengths = edge_lengths(mesh);
+        let report = mesh.report().clone();
+        let remarks = report.remarks().into_iter().map(Note::info);
+        Inspection {
+            input: input.display().to_string(),
+            format,
+            suggestions: hints::suggest(mesh, soup, format, edge_lengths, options),
+            oriented: report.flipped_faces + report.non_orientable_components == 0,
+            manifold: report.edges.non_manifold == 0,
+            defects: places::defects(mesh),
+            edge_lengths,
+            area: (0..mesh.face_count() as u32).map(|f| mesh.area(Face(f))).filter(|a| a.is_finite()).sum(),
+            silhouette_edges: None,
+            groups: soup.groups.len(),
+            metres_per_unit: soup.metres_per_unit,
+            scene: mesh.scene().map(|scene| summarise(scene, mesh)),
+            feature_angle: options.feature_angle,
+            notes: soup.notes.iter().cloned().chain(remarks).collect(),
+            report,
+        }
+    }
+
     /// True when something was repaired or skipped, or the mesh has defects (exit code 3).
     pub fn has_defects(&self) -> bool {
         self.report.has_defects() || self.notes.iter().any(|note| note.repaired)
@@ -192,7 +199,8 @@ fn summarise(scene: &Scene, mesh: &Mesh) -> SceneSummary {
     summary
 }
 
-fn matrix(transform: &Transform) -> DMat4 {
+/// The matrix of a node's own transform.
+pub(crate) fn matrix(transform: &Transform) -> DMat4 {
     match transform {
         Transform::Matrix(columns) => DMat4::from_cols_array(&columns.map(f64::from)),
         Transform::Parts { translation, rotation, scale } => {

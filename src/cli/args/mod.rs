@@ -11,6 +11,7 @@ mod inspect;
 mod look;
 mod mesh;
 mod place;
+mod report;
 mod section;
 mod settings;
 mod space;
@@ -29,6 +30,7 @@ pub(super) use inspect::InspectArgs;
 pub(super) use look::LookArgs;
 pub(super) use mesh::MeshArgs;
 pub(super) use place::PlaceArgs;
+pub(super) use report::ReportArgs;
 pub(super) use section::SectionArgs;
 pub(super) use settings::SettingsArgs;
 pub(super) use space::SpaceArgs;
@@ -46,6 +48,7 @@ Examples:
   osculate annotate part.stl -o part.csv
   osculate batch scans -o annotated --resume
   osculate inspect part.stl
+  osculate report part.stl -o part.html
   osculate section part.stl --plane 0,0,1,-5 -o cut.svg
 
 By default (--estimator auto) surfaces are fitted to the vertices around every face, as
@@ -70,6 +73,8 @@ pub(super) enum Command {
     Batch(Box<BatchArgs>),
     /// Say what is in a mesh file: counts, extent, edge kinds, defects, suggested settings
     Inspect(InspectArgs),
+    /// Show a mesh and its curvature, or two side by side, in one HTML file: 3D view, plots, tables; or as a picture
+    Report(Box<ReportArgs>),
     /// Draw the disk of one face: its legs, rim and principal directions, as glTF lines
     ///
     /// Curvature is read off the disk's sections here, with `--estimator auto` too: as `osculating` does it.
@@ -97,6 +102,7 @@ impl Command {
             Command::Annotate(args) => Some(&args.common),
             Command::Batch(args) => Some(&args.common),
             Command::Inspect(args) => Some(&args.common),
+            Command::Report(args) => Some(&args.common),
             Command::Disk(args) => Some(&args.common),
             Command::Trace(args) => Some(&args.common),
             Command::Section(args) => Some(&args.common),

@@ -1,0 +1,9 @@
+// Vectors of three numbers.
+
+export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+export const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+export const times = (s, a) => [s * a[0], s * a[1], s * a[2]];
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const unit = (a) => times(1 / (Math.hypot(...a) || 1), a);
+export const mix = (a, b, t) => a.map((x, i) => x + (b[i] - x) * t);
