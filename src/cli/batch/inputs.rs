@@ -111,7 +111,7 @@ impl Found {
             .into_iter()
             .partition(|job| users[&job.output].len() == 1 && !inputs.contains(&real_folder.join(&job.output)));
         self.jobs = jobs;
-        for job in Vec::<Job>::from(clashing) {
+        for job in clashing {
             let output = folder.join(&job.output);
             let other = users[&job.output].iter().find(|input| **input != job.input);
             let message = match other {
@@ -187,7 +187,8 @@ fn matching(pattern: &Path, candidates: &mut Vec<Candidate>, failures: &mut Vec<
             }
             Ok(_) => {}
             Err(e) => {
-                failures.push(Failure { input: e.path().to_path_buf(), message: format!("cannot read: {}", e.error()) })
+                failures
+                    .push(Failure { input: e.path().to_path_buf(), message: format!("cannot read: {}", e.error()) });
             }
         }
     }
