@@ -139,10 +139,14 @@ impl<'g> Sampler<'g> {
     /// Adds rings until there are `least` vertices and no more come that are near `centre`.
     fn grow_over(&mut self, centre: DVec3, square: f64, least: usize) {
         loop {
-            let before = self.vertices().len();
+            let (before, was_divided) = (self.vertices().len(), self.is_divided);
             self.add_ring();
+            if self.is_divided != was_divided {
+                // The window began anew, with its vertices in another order.
+                continue;
+            }
             let near = |&v: &u32| self.ground.position(v).distance_squared(centre) <= square;
-            let added = self.vertices().get(before..).unwrap_or_default();
+            let added = &self.vertices()[before..];
             if self.is_exhausted() || before >= least && !added.iter().any(near) {
                 break;
             }
