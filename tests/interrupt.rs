@@ -47,9 +47,6 @@ fn interrupt(folder: &Path, args: &[&str], moment: &Moment) -> Option<f64> {
     let milliseconds = 1e3 * sent.elapsed().as_secs_f64();
     assert!(signal.success());
     if status.success() {
-        return None;
-    }
-    if status.success() {
         // It was done while the signal was on its way.
         return None;
     }
