@@ -5,7 +5,7 @@ mod common;
 use common::{differing, values_of};
 use glam::{DQuat, DVec3};
 use osculate::synth::{Grid, Surface};
-use osculate::{CurvatureOptions, Estimator, FaceCurvature, Positions, Soup};
+use osculate::{CurvatureOptions, Estimator, FaceCurvature, Positions, Radius, Soup};
 use proptest::prelude::*;
 
 /// A small irregular mesh: closed or with a border, elliptic and hyperbolic.
@@ -183,6 +183,53 @@ fn curvature_beyond_32_bits_is_no_estimate() {
         for value in values_of(&grid.build().soup, &CurvatureOptions::default()) {
             assert_eq!(value.is_estimated(), estimated, "radius 1e{exponent}: {value:?}");
             assert!(!estimated || (value.gauss().is_finite() && value.k_max.is_finite()), "{value:?}");
+        }
+    }
+}
+
+/// A grid with noise upright to it, and a triangle far away.
+fn rough_grid(far: f64) -> Soup {
+    let mut soup = Grid { jitter: 0.2, ..Grid::new(Surface::Saddle, 20, 20) }.build().soup;
+    let mut points: Vec<[f64; 3]> = points(&soup).iter().map(|p| p.to_array()).collect();
+    for (i, p) in points.iter_mut().enumerate() {
+        p[2] += 1e-3 * ((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f64 / f64::from(1_u32 << 24);
+    }
+    let first = points.len() as u32;
+    points.extend([[far, 0.0, 0.0], [far, 1.0, 0.0], [far, 0.0, 1.0]]);
+    soup.triangles.push([first, first + 1, first + 2]);
+    Soup::new(Positions::F64(points), soup.triangles)
+}
+
+/// All other faces then lie in few cells of the curve that orders them.
+#[test]
+fn the_order_of_faces_does_not_matter_beside_an_outlier() {
+    for far in [1e3, 1e6, 1e9] {
+        let soup = rough_grid(far);
+        let order = shuffled(soup.face_count(), 7);
+        let mixed = Soup::new(soup.positions.clone(), order.iter().map(|&f| soup.triangles[f]).collect());
+        let before = values(&soup);
+        let before: Vec<FaceCurvature> = order.iter().map(|&f| before[f]).collect();
+        assert_alike(&before, &values(&mixed), 1.0, DQuat::IDENTITY, 1e-6);
+    }
+}
+
+/// Curvatures of such meshes leave the range of 32-bit numbers, the meshes do not.
+#[test]
+fn very_small_and_very_large_meshes_are_estimated() {
+    let soup = rough_grid(3.0);
+    let given = |length| CurvatureOptions { radius: Radius::Length(length), ..CurvatureOptions::default() };
+    let within = values_of(&soup, &given(0.4));
+    for exponent in [-60, -41, -40, -39, -15, 15, 22, 30] {
+        let scale = 10.0_f64.powi(exponent);
+        let scaled = moved(&soup, |p| scale * p);
+        let found = values(&scaled);
+        assert_eq!(found.len(), soup.face_count());
+        // Squares of curvatures beyond 32-bit numbers are none.
+        if (-15..=30).contains(&exponent) {
+            let middle = 400;
+            let found = values_of(&scaled, &given(0.4 * scale))[middle];
+            let (found, wanted) = (scale * f64::from(found.k_max), f64::from(within[middle].k_max));
+            assert!((found - wanted).abs() <= 1e-3 * wanted.abs(), "1e{exponent}: {found} instead of {wanted}");
         }
     }
 }

@@ -71,7 +71,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     Ok(values)
 }
 
-/// Estimates all faces of a mesh that holds no duplicates.
+/// Estimates all faces of a mesh but its duplicates.
 fn estimate_in_order(
     mesh: &Mesh,
     options: &CurvatureOptions,

@@ -54,9 +54,9 @@ pub struct CurvatureOptions {
     /// How curvature is estimated. Default: auto.
     pub estimator: Estimator,
     /// For [`Estimator::Auto`], the largest distance of a vertex that a face's values come from; by
-    /// default its windows choose themselves. For the others, the length of the legs: sections are polygons, so the error of formula (1) falls with the square
-    /// of edge over radius, and grows with the square of radius over the distance in which the
-    /// curvature changes.
+    /// default its windows choose themselves. For the others, the length of the legs: sections are polygons,
+    /// so the error of formula (1) falls with the square of edge over radius, and grows with the square of
+    /// radius over the distance in which the curvature changes.
     ///
     /// Default: automatic; for legs by the rule of `src/curvature/radius.rs`.
     pub radius: Radius,

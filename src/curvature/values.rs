@@ -23,7 +23,7 @@ pub struct FaceCurvature {
     /// Largest distance of what the values come from: length of the disk's legs, or radius of the
     /// window.
     pub radius: f32,
-    /// Share of the legs that reached the radius; for a window, share of its faces that have no border
+    /// Share of the legs that reached the radius; for a window, share of its vertices that lie on no border
     /// and no sharp edge. 0 to 1.
     pub coverage: f32,
     /// How far to trust the values, 0 to 1: falls as the expected error grows. Faces sorted by it are

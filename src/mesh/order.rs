@@ -62,21 +62,28 @@ impl Mesh {
             return (0..self.face_count() as u32).map(Face).collect();
         };
         let cells = f64::from(1_u32 << (BITS - 1));
+        let local = |f: u32| (axes.transpose() * (self.barycentre(Face(f)) - centre) / size).to_array();
         let mut places: Vec<(u64, u32)> = (0..self.face_count() as u32)
             .into_par_iter()
             .map(|f| {
-                let p = axes.transpose() * (self.barycentre(Face(f)) - centre) / size;
-                // From 0 to 2 per axis, with a little room for rounding; what is not finite comes first.
-                let [x, y, z] = p.to_array().map(|c| spread(((c + 1.0) * cells).min(2.0 * cells - 1.0) as u64));
+                // From 0 to 2 per axis; what lies further out shares the last cell.
+                let [x, y, z] = local(f).map(|c| spread(((c + 1.0) * cells).clamp(0.0, 2.0 * cells - 1.0) as u64));
                 (x | y << 1 | z << 2, f)
             })
             .collect();
         radsort::sort_by_key(&mut places, |place| place.0);
+        for alike in places.chunk_by_mut(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
+            alike.sort_by(|a, b| {
+                let pairs = local(a.1).into_iter().zip(local(b.1));
+                pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b))).then(a.1.cmp(&b.1))
+            });
+        }
         places.into_iter().map(|place| Face(place.1)).collect()
     }
 
     /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way to
-    /// the vertex farthest from there, and the way to the vertex farthest from that line.
+    /// the vertex farthest from there, the way to the vertex farthest from that line, and four times the mean distance
+    /// (root of the mean square), which a lone far vertex changes little.
     fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
         let all = || self.positions.par_iter().copied().filter(|p| p.is_finite());
         // In chunks, so that the sum does not depend on the threads.
@@ -100,12 +107,17 @@ impl Mesh {
                 if is_less == Ordering::Less { b } else { a }
             })
         };
-        let (square, end) = farthest(&|d| d)?;
-        let size = square.sqrt();
+        let (_, end) = farthest(&|d| d)?;
         let x = (end - centre).try_normalize()?;
         let (_, side) = farthest(&|d| d.reject_from_normalized(x))?;
         let y = (side - centre).reject_from_normalized(x).try_normalize().unwrap_or(x.any_orthonormal_vector());
-        size.is_finite().then(|| (centre, DMat3::from_cols(x, y, x.cross(y)), size))
+        let squares: Vec<f64> = self
+            .positions
+            .par_chunks(1 << 16)
+            .map(|chunk| chunk.iter().filter(|p| p.is_finite()).map(|p| p.distance_squared(centre)).sum())
+            .collect();
+        let size = 4.0 * (squares.into_iter().sum::<f64>() / count as f64).sqrt();
+        (size > 0.0 && size.is_finite()).then(|| (centre, DMat3::from_cols(x, y, x.cross(y)), size))
     }
 }
 

@@ -194,7 +194,9 @@ impl Kernel for FitLanes<'_> {
 
         let wants_more = which(|i| {
             let is_unexplained = simple.residual.0[i] > 2.0 * floor.0[i];
-            simple.found[i] && is_unexplained && batch.counts[i] >= MOST + 2 && !fits.is_flat[i]
+            // Between rims, only rulings hold the terms of the large basis.
+            let has_rulings = !batch.rulings[i].is_empty();
+            simple.found[i] && is_unexplained && batch.counts[i] >= MOST + 2 && !fits.is_flat[i] && !has_rulings
         });
         if wants_more.contains(&true) {
             let (wide, wide_error) = samples.fit_wide(batch, rounding, floor, penalties[4]);

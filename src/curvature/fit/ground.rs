@@ -11,16 +11,18 @@ pub(super) struct Ground<'m> {
     pub(super) stars: Stars<'m>,
     /// Whether windows reach over sharp edges.
     pub(super) over_features: bool,
-    /// A normal at every vertex, as long as lengths are.
+    /// A normal at every vertex, as long as its faces are wide against the mesh.
     pub(super) normals: Vec<Vec3>,
 }
 
 impl<'m> Ground<'m> {
     pub(super) fn new(mesh: &'m Mesh, over_features: bool) -> Self {
         let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
+        // Relative to the mesh, so that 32 bits hold the squares too.
+        let scale = mesh.report().bounds.map_or(1.0, |b| 1.0 / b.size().max_element());
         let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
         for f in sound {
-            let normal = scaled_normal(mesh, f).as_vec3();
+            let normal = (scaled_normal(mesh, f) * scale).as_vec3();
             for v in mesh.topology().corners(f) {
                 normals[v.index()] += normal;
             }

@@ -1,8 +1,8 @@
 //! Four numbers side by side, and code that runs on one or on four.
 //!
-//! Kernels work on four fits at a time, a fit in each lane. Every operation is one that all processors
-//! round alike (sums, products, quotients, square roots), none is fused, and lanes do not mix: the result
-//! has the same bits with and without vector instructions.
+//! Kernels work on four fits at a time, or on four samples of one fit. Every operation is one that all processors
+//! round alike (sums, products, quotients, square roots), none is fused, and the order of sums is fixed: the
+//! result has the same bits with and without vector instructions.
 
 use pulp::Arch;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -52,7 +52,9 @@ pub(super) trait Real:
     fn splat(value: f64) -> Self;
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
+    /// The greater one; `other` where one of them is not a number.
     fn max(self, other: Self) -> Self;
+    /// The lesser one; `other` where one of them is not a number.
     fn min(self, other: Self) -> Self;
     /// `a` where the sign is plus, `b` where it is minus, zeros included.
     fn select(self, a: Self, b: Self) -> Self;

@@ -52,7 +52,7 @@ impl Marks {
     #[inline]
     fn find(&self, wanted: u64) -> usize {
         let mask = self.slots.len() - 1;
-        let mut at = ((wanted as u32).wrapping_mul(0x9E37_79B1) >> 8) as usize & mask;
+        let mut at = (u64::from(wanted as u32).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize & mask;
         while self.slots[at].0 != wanted && self.slots[at].0 >= self.age {
             at = (at + 1) & mask;
         }

@@ -37,14 +37,14 @@ pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
 
 /// True where a misfit is so much less than a face's own that a jump may lie between.
 pub(super) fn is_better(misfit: f32, own: f32) -> bool {
-    f64::from(misfit) <= BETTER * f64::from(own)
+    misfit.is_finite() && f64::from(misfit) <= BETTER * f64::from(own)
 }
 
-/// For every vertex, the least misfit of a face within as many rings as [`candidates`] come from: where it is not
-/// much less than a face's own, there are none.
+/// For every vertex, the least misfit of a face within as many rings as [`candidates`] come from on meshes that are no
+/// strips: where it is not much less than a face's own, there are none.
 pub(super) fn least_around(ground: &Ground<'_>, quality: &[Quality]) -> Vec<f32> {
     /// Rings of vertices beyond a face's own; windows of regular meshes have three.
-    const RINGS: usize = 4;
+    const RINGS: usize = 6;
     let topology = ground.mesh.topology();
     let mut least = vec![f32::INFINITY; ground.mesh.positions().len()];
     for (corners, quality) in topology.faces().iter().zip(quality) {

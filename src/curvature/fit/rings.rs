@@ -99,7 +99,7 @@ impl Seen {
     fn insert(&mut self, vertex: u32) -> bool {
         let mask = self.slots.len() - 1;
         let wanted = self.age | u64::from(vertex);
-        let mut at = (vertex.wrapping_mul(0x9E37_79B1) >> 16) as usize;
+        let mut at = (u64::from(vertex).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize;
         loop {
             let held = &mut self.slots[at & mask];
             if *held == wanted {

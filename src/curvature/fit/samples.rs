@@ -125,14 +125,16 @@ impl<'g> Sampler<'g> {
         self.start(seed);
         self.grow_over(centre, square, 0);
         let is_near = |f: u32| ground.mesh.barycentre(Face(f)).distance_squared(centre) <= square;
-        if self.is_divided {
-            return self.window.faces.iter().copied().filter(|&f| is_near(f)).collect();
-        }
-        let corners = |f: u32| ground.mesh.topology().faces()[f as usize];
-        let at = |&v: &u32| {
-            // Every face once, at the least of its corners.
-            ground.stars.of(v).iter().copied().filter(move |&f| corners(f).iter().all(|&w| v <= w))
+        // Faces with a corner within the distance, each at the first such corner.
+        let first = |f: u32| {
+            let corners = ground.mesh.topology().faces()[f as usize].into_iter();
+            corners.filter(|&v| ground.position(v).distance_squared(centre) <= square).min()
         };
+        if self.is_divided {
+            let faces = self.window.faces.iter().copied();
+            return faces.filter(|&f| is_near(f) && first(f).is_some()).collect();
+        }
+        let at = |&v: &u32| ground.stars.of(v).iter().copied().filter(move |&f| first(f) == Some(v));
         self.rings.vertices.iter().flat_map(at).filter(|&f| is_near(f)).collect()
     }
 

@@ -19,7 +19,8 @@ pub(super) struct Stars<'m> {
 /// How the surface goes on around a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Mark {
-    /// Not at all or in several fans: sharp or non-manifold edges, several borders; or the faces are too many.
+    /// Not at all or in several fans, as sharp or non-manifold edges or several borders tell; or the faces are too many.
+    /// Fans without a border that touch in the vertex alone are not told apart.
     Divided,
     /// In one fan, with a border on both sides.
     Border,
