@@ -44,7 +44,7 @@ async function near(found, file) {
     for (const pair of [...corners][0].split(",")) {
       const [name, value] = pair.split("=");
       if (!(name in columns)) continue;
-      const wanted = Number(rows[face + 1][rows[0].indexOf(columns[name])] || 0);
+      const wanted = Math.fround(Number(rows[face + 1][rows[0].indexOf(columns[name])] || 0));
       const allowed = Math.max(Math.abs(wanted), name === "_COVERAGE" ? 1 : 0) / 65536;
       if (Math.abs(value - wanted) > allowed) throw new Error(`${name} of face ${face}: ${value}, not ${wanted}`);
     }
