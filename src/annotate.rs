@@ -402,12 +402,14 @@ pub(crate) fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
     provenance["reused"] = true.into();
 }
 
-/// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits.
+/// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits. Values that were
+/// read from a file were judged when they were estimated.
 pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     // Flat faces lose nothing by it.
     let bent = || values.iter().filter(|v| v.is_estimated() && v.class != FaceClass::Flat);
     let of_disks = bent().filter(|v| v.method == Method::Sections && v.coverage < 0.5).count();
-    let of_fits = bent().filter(|v| v.method != Method::Sections && v.confidence < 0.1).count();
+    let is_fit = |v: &FaceCurvature| !matches!(v.method, Method::Sections | Method::None);
+    let of_fits = bent().filter(|v| is_fit(v) && v.confidence < 0.1).count();
     let all = values.len();
     if 10 * of_disks > all {
         return Some(Note::info(format!(

@@ -191,6 +191,15 @@ fn values_of_an_annotated_file_are_shown_again() {
 }
 
 #[test]
+fn values_from_a_file_are_not_judged_anew() {
+    let folder = folder();
+    run(folder.path(), 0, &["annotate", "fixtures/suzanne.stl", "-o", "s.glb", "-q"]);
+    let said = run(folder.path(), 0, &["report", "s.glb", "-o", "s.html"]);
+    // The file does not say how a face came by its values, so that their confidence is no ground for advice.
+    assert!(said.contains("earlier run") && !said.contains("confidence below"), "{said}");
+}
+
+#[test]
 fn names_in_files_stay_text_and_paths_stay_at_home() {
     let folder = folder();
     let obj = "g </script><script>alert(1)</script>\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\ng b\u{202e}\nf 2 3 4\nf 3 1 4\n";
@@ -259,6 +268,7 @@ fn what_cannot_be_reported_is_refused_in_a_sentence() {
     refused(2, &["report", stl, "-o", "a.pdf"], ".html");
     refused(2, &["report", stl, "-o", "a.html", "--view", "x"], "--png");
     refused(2, &["report", stl, "--png", "a.jpg"], ".png");
+    refused(2, &["report", stl, stl, "--png", "a.png"], "one mesh");
     refused(2, &["report", stl, "--png", "a.png", "--size", "20x20"], "--size");
     refused(2, &["report", stl, "--png", "a.png", "--view", "0,0,0"], "zero");
     refused(2, &["report", stl, "-o", "a.html", "--color-by", "none"], "--color-by");

@@ -7,12 +7,9 @@ k_min, whichever is worse, relative to the larger of them in magnitude (at least
 largest on the mesh). Every bin holds a tenth of a group's faces; a mesh's faces count as much as those of
 another. Needs numpy, and matplotlib for the picture (without -o there is none).
 """
-import argparse
-import os
-import subprocess
-import tempfile
-
 import numpy as np
+
+from synthetic import measure, options
 
 SHAPES = {
     "torus": ["torus", "--jitter", "0.3"],
@@ -24,26 +21,9 @@ NOISE = {"clean": "0", "noise 0.01": "0.01", "noise 0.1": "0.1"}
 FACES = "10000"
 
 
-def columns(path, names):
-    """Columns of a CSV file as arrays; empty fields are not a number."""
-    with open(path) as file:
-        header = file.readline().strip().split(",")
-        rows = [line.rstrip("\n").split(",") for line in file]
-    at = [header.index(name) for name in names]
-    return [np.array([float(row[i] or "nan") for row in rows]) for i in at]
-
-
-def measure(program, shape, noise):
+def estimated(program, shape, noise):
     """Confidence and relative error of every estimated face of one mesh."""
-    with tempfile.TemporaryDirectory() as folder:
-        mesh, exact, faces = (os.path.join(folder, name) for name in ("mesh.ply", "exact.csv", "faces.csv"))
-        subprocess.run([program, "synth", *SHAPES[shape], "--faces", FACES, "--seed", "1", "--noise", NOISE[noise],
-                        "-o", mesh, "--exact", exact, "-q"], check=True)
-        subprocess.run([program, "annotate", mesh, "-o", faces, "--up", "y", "-q"], check=True)
-        true_max, true_min = columns(exact, ["k_max", "k_min"])
-        k_max, k_min, confidence = columns(faces, ["k_max", "k_min", "confidence"])
-    size = np.maximum(abs(true_max), abs(true_min))
-    error = np.maximum(abs(k_max - true_max), abs(k_min - true_min)) / np.maximum(size, 0.01 * size.max())
+    confidence, error = measure(program, [*SHAPES[shape], "--faces", FACES, "--noise", NOISE[noise]])
     known = np.isfinite(error)
     return confidence[known], error[known]
 
@@ -75,11 +55,8 @@ def draw(groups, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default="target/release/osculate")
-    parser.add_argument("-o", "--output", help="picture to write")
-    options = parser.parse_args()
-    found = {(shape, noise): measure(options.program, shape, noise) for noise in NOISE for shape in SHAPES}
+    given = options(__doc__)
+    found = {(shape, noise): estimated(given.program, shape, noise) for noise in NOISE for shape in SHAPES}
     groups = {"all": list(found)}
     groups |= {noise: [key for key in found if key[1] == noise] for noise in NOISE}
     single = {f"{shape}, {noise}": [(shape, noise)] for shape, noise in found}
@@ -90,8 +67,8 @@ def main():
         print(f"{name}: mean confidence, median and 95th percentile of the error in %")
         for decile, (confidence, median, p95) in enumerate(bins, 1):
             print(f"  {decile:2} {confidence:8.5f} {median:9.3g} {p95:9.3g}")
-    if options.output:
-        draw({name: result[name] for name in groups}, options.output)
+    if given.output:
+        draw({name: result[name] for name in groups}, given.output)
 
 
 if __name__ == "__main__":

@@ -6,14 +6,9 @@ Prints every point. Meshes are irregular ones of `osculate synth` (`--jitter 0.3
 The error of a face is that of k_max or k_min, whichever is worse, relative to the larger of them in
 magnitude (at least a hundredth of the largest on the mesh). Needs numpy, and matplotlib for the picture.
 """
-import argparse
-import os
-import subprocess
-import tempfile
-
 import numpy as np
 
-from calibration import columns
+from synthetic import measure, options
 
 ESTIMATORS = ("auto", "osculating")
 TORUS = ["torus", "--faces", "10000"]
@@ -21,18 +16,7 @@ TORUS = ["torus", "--faces", "10000"]
 
 def median(program, synth, annotate):
     """Median error in percent; a face without an estimate counts as infinitely wrong."""
-    with tempfile.TemporaryDirectory() as folder:
-        mesh, exact, faces = (os.path.join(folder, name) for name in ("mesh.ply", "exact.csv", "faces.csv"))
-        subprocess.run([program, "synth", *synth, "--jitter", "0.3", "--seed", "1", "-o", mesh, "--exact", exact, "-q"],
-                       check=True)
-        # 3: written, but the mesh has defects.
-        done = subprocess.run([program, "annotate", mesh, "-o", faces, "--up", "y", "-q", *annotate])
-        if done.returncode not in (0, 3):
-            raise SystemExit(f"annotate ended with {done.returncode} for {' '.join(synth)}")
-        true_max, true_min = columns(exact, ["k_max", "k_min"])
-        k_max, k_min = columns(faces, ["k_max", "k_min"])
-    size = np.maximum(abs(true_max), abs(true_min))
-    error = np.maximum(abs(k_max - true_max), abs(k_min - true_min)) / np.maximum(size, 0.01 * size.max())
+    _, error = measure(program, [*synth, "--jitter", "0.3"], annotate)
     return 100 * np.median(np.where(np.isfinite(error), error, np.inf))
 
 
@@ -69,22 +53,19 @@ def draw(panels, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default="target/release/osculate")
-    parser.add_argument("-o", "--output", help="picture to write")
-    options = parser.parse_args()
+    given = options(__doc__)
     panels = []
     for title, label, logarithmic, lines in sweeps():
         found = {}
         for name, points in lines:
             for estimator in ESTIMATORS:
                 found[name, estimator] = [
-                    (x, median(options.program, synth, [*annotate, "--estimator", estimator]))
+                    (x, median(given.program, synth, [*annotate, "--estimator", estimator]))
                     for x, synth, annotate in points]
                 print(f"{title}: {name}, {estimator}: " + ", ".join(f"{x:g}: {y:.3g} %" for x, y in found[name, estimator]))
         panels.append((title, label, logarithmic, found))
-    if options.output:
-        draw(panels, options.output)
+    if given.output:
+        draw(panels, given.output)
 
 
 if __name__ == "__main__":

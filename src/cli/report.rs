@@ -10,6 +10,9 @@ use std::path::Path;
 
 pub(super) fn run(args: &ReportArgs, messages: &Messages) -> Result<Outcome, Error> {
     let options = args.options()?;
+    if args.png.is_some() && args.inputs.len() > 1 {
+        return Err(Error::Usage("--png draws one mesh; give one input, or leave it out".into()));
+    }
     let to_stdout = args.output.as_deref() == Some(Path::new("-"));
     let page = args.output.as_deref().filter(|_| !to_stdout);
     let outputs = [(page, ["html", "htm"].as_slice()), (args.png.as_deref(), &["png"])];

@@ -1,45 +1,28 @@
 // Reads every file with metadata in CesiumJS in headless Chromium: the table's values by row, and those of
 // the faces that are under some pixels. usage: node cesium.mjs FOLDER [CHROMIUM]
-import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
-import { extname, join, normalize } from "node:path";
+import { join } from "node:path";
+import { launch, serve } from "./browser.mjs";
 import { packages, say } from "./packages.mjs";
 
-const require = createRequire(join(packages, "package.json"));
-const puppeteer = (await import(require.resolve("puppeteer-core"))).default;
 const folder = process.argv[2];
 const files = JSON.parse(await readFile(join(folder, "manifest.json"))).filter((file) => file.way === "metadata.glb");
 const version = JSON.parse(await readFile(join(packages, "node_modules/cesium/package.json"))).version;
 const client = `CesiumJS ${version}`;
 
-const KINDS = { ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".wasm": "application/wasm" };
 const PAGE = `<!doctype html><script>window.CESIUM_BASE_URL = "/Cesium/";</script><script src="/Cesium/Cesium.js"></script>
   <div id="view" style="width:512px;height:512px"></div><script type="module" src="/page.mjs"></script>`;
 
-const server = createServer(async (request, response) => {
-  const path = normalize(decodeURIComponent(request.url.split("?")[0]));
-  try {
-    const body =
-      path === "/" ? PAGE
-      : path === "/page.mjs" ? await readFile(new URL("./cesium_page.mjs", import.meta.url))
-      : path.startsWith("/Cesium/") ? await readFile(join(packages, "node_modules/cesium/Build", path))
-      : await readFile(join(folder, path));
-    const kind = path === "/" ? "text/html" : path.endsWith(".mjs") ? "text/javascript" : KINDS[extname(path)];
-    response.writeHead(200, { "content-type": kind ?? "application/octet-stream" }).end(body);
-  } catch {
-    response.writeHead(404).end();
-  }
-}).listen(0, "127.0.0.1");
-await new Promise((done) => server.once("listening", done));
-
-const browser = await puppeteer.launch({
-  executablePath: process.argv[3] ?? "/usr/bin/chromium",
-  protocolTimeout: 600000,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+const { server, address } = await serve({
+  page: PAGE,
+  module: new URL("./cesium_page.mjs", import.meta.url),
+  library: "/Cesium/",
+  root: join(packages, "node_modules/cesium/Build"),
+  folder,
 });
+const browser = await launch(process.argv[3]);
 const page = await browser.newPage();
-await page.goto(`http://127.0.0.1:${server.address().port}/`);
+await page.goto(address);
 await page.waitForFunction("window.ready", { timeout: 120000 });
 
 const COLUMNS = ["face", "class", "k_max", "k_min", "mean", "gauss", "coverage", "confidence"];

@@ -1,26 +1,8 @@
-// A headless Chromium with software graphics, and pages in it that complain when anything goes wrong.
-import { createRequire } from "node:module";
-import { join } from "node:path";
+// Reports in a headless Chromium, which complain when anything goes wrong.
 import { pathToFileURL } from "node:url";
-import { packages } from "../clients/packages.mjs";
+import { launch as launchPlain } from "../clients/browser.mjs";
 
-const require = createRequire(join(packages, "package.json"));
-const puppeteer = (await import(require.resolve("puppeteer-core"))).default;
-
-export async function launch(path) {
-  return puppeteer.launch({
-    executablePath: path ?? "/usr/bin/chromium",
-    protocolTimeout: 300_000,
-    args: [
-      "--no-sandbox",
-      "--use-angle=swiftshader",
-      "--enable-unsafe-swiftshader",
-      "--ignore-gpu-blocklist",
-      "--js-flags=--expose-gc",
-      "--enable-precise-memory-info",
-    ],
-  });
-}
+export const launch = (path) => launchPlain(path, ["--js-flags=--expose-gc", "--enable-precise-memory-info"]);
 
 export const DESKTOP = { width: 1280, height: 800, deviceScaleFactor: 1 };
 export const PHONE = { width: 390, height: 844, deviceScaleFactor: 2, isMobile: true, hasTouch: true };

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readdir, readFile } from "node:fs/promises";
 import { join, resolve } from "node:path";
 import { launch, open, pixels, settled, DESKTOP, PHONE } from "./browser.mjs";
-import { colors, rows } from "./tables.mjs";
+import { colors, rows } from "../clients/tables.mjs";
 
 const [folder, screenshots, chromium] = process.argv.slice(2).map((path) => resolve(path));
 const browser = await launch(chromium);

@@ -4,7 +4,8 @@ use super::frame::Frame;
 use super::implicit::Implicit;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::least_squares::{Factor, MOST, Rows};
-use super::polynomial::{Polynomial, basis};
+use super::polynomial::{self, Polynomial, basis};
+use super::prior::priors;
 use glam::DVec3;
 
 /// Terms of a Darboux cyclide.
@@ -32,13 +33,13 @@ impl Cyclide {
             rows.set(row, &terms(p), p.z);
         }
         let mut factor = factor_with_prior(rows, noise);
-        let mut surface = Implicit { frame, f: Polynomial { coefficients: factor.solve(TERMS), size: TERMS } };
+        let mut surface = Implicit { frame, f: Polynomial { coefficients: widened(factor.solve(TERMS)), size: TERMS } };
         for _ in 0..ROUNDS {
             if !run(FillRows { f: &surface.f, points: &points, rows }) {
                 return None;
             }
             factor = factor_with_prior(rows, noise);
-            surface.f.coefficients = factor.solve(TERMS);
+            surface.f.coefficients = widened(factor.solve(TERMS));
         }
         let residual = rows.residual(&surface.f.coefficients[..TERMS], samples.len());
         let misfit = residual * frame.unit.powi(2) / (samples.len() - TERMS) as f64;
@@ -95,22 +96,20 @@ impl Kernel for FillRows<'_> {
     }
 }
 
+/// Coefficients in the largest basis.
+fn widened(coefficients: [f64; MOST]) -> [f64; polynomial::MOST] {
+    let mut all = [0.0; polynomial::MOST];
+    all[..TERMS].copy_from_slice(&coefficients[..TERMS]);
+    all
+}
+
 fn terms(p: DVec3) -> [f64; TERMS] {
     basis(V3::from(p), 1.0)
 }
 
-/// Curvature, in turns per window, below which priors do not get any narrower.
-const LEAST_BEND: f64 = 0.03;
-
-/// The normal equations with a prior on the terms beyond the paraboloid: where noise is strong, terms that
-/// a surface bending as this one does has no use for stay small.
+/// The normal equations with a prior on the terms beyond the paraboloid.
 fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
-    let mut prior = [0.0; MOST];
     let normal = rows.normal();
-    let paraboloid = normal.factor(6, &prior).solve(6);
-    let [a, b, c] = [paraboloid[3], paraboloid[4], paraboloid[5]];
-    let bend = ((a + c).abs() + (a - c).hypot(b)).max(LEAST_BEND);
-    prior[6..9].fill((noise / (0.3 * bend)).powi(2));
-    prior[9..TERMS].fill((noise / (0.3 * bend * bend)).powi(2));
-    normal.factor(TERMS, &prior)
+    let paraboloid = normal.factor(6, &[0.0; MOST]).solve(6);
+    normal.factor(TERMS, &priors([paraboloid[3], paraboloid[4], paraboloid[5]], noise))
 }

@@ -91,11 +91,19 @@ impl<const N: usize> Factor<N> {
         factor
     }
 
-    /// Adds to the diagonal of a column that is not factored yet.
+    /// Adds to the diagonal of the columns that are not factored yet.
     #[inline(always)]
-    pub(super) fn add_prior(&mut self, column: usize, prior: F4) {
-        let scale = self.scale[column];
-        self.lower[column][column] += prior * scale * scale;
+    pub(super) fn add_priors(&mut self, priors: &[F4; N]) {
+        for (column, (&prior, &scale)) in priors.iter().zip(&self.scale).enumerate().skip(self.done) {
+            self.lower[column][column] += prior * scale * scale;
+        }
+    }
+
+    /// The coefficients of x^2, xy and y^2 in the model of the first six columns.
+    #[inline(always)]
+    pub(super) fn paraboloid(&self) -> [F4; 3] {
+        let x = self.solve(6);
+        [x[3], x[4], x[5]]
     }
 
     /// Factors the columns before `until`.

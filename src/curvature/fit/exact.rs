@@ -2,12 +2,14 @@
 //! a time, one in each lane.
 
 use super::batch::Batch;
+use super::choice::{Chosen, Model, penalties};
 use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::implicit::Implicit;
-use super::lanes::{F4, Kernel, LANES, Real, V3, run};
+use super::lanes::{F4, Kernel, LANES, Real, V3, run, which};
 use super::polynomial::{MOST, Polynomial, SIZES, basis, basis_along};
-use super::shape::tangents;
+use super::prior::priors;
+use super::shape::{half_angle, tangents};
 use glam::DMat3;
 
 /// A fitted surface and how far to trust it.
@@ -42,8 +44,6 @@ pub(super) enum Outcome {
 const SIMPLE: usize = 13;
 /// Below this least eigenvalue the vertices do not determine a paraboloid.
 const SINGULAR: f64 = 1e-10;
-/// Curvature, in turns per window, below which priors do not get any narrower.
-const LEAST_BEND: f64 = 0.03;
 /// Weight of a row that asks for a straight ruling, against one for a vertex.
 const RULING_WEIGHT: f64 = 1e-3;
 
@@ -70,26 +70,6 @@ struct Samples {
 struct Frames {
     axes: [V3<F4>; 3],
     unit: F4,
-}
-
-/// What a model of some size makes of the windows.
-#[derive(Clone, Copy)]
-struct Model {
-    coefficients: [F4; MOST],
-    residual: F4,
-    /// Grows with the residual and the size; infinite where the points are too few.
-    cost: F4,
-}
-
-/// A model for each lane.
-#[derive(Clone, Copy)]
-struct Chosen {
-    coefficients: [F4; MOST],
-    sizes: [usize; LANES],
-    residual: F4,
-    cost: F4,
-    /// Lanes for which a surface passed the checks.
-    found: [bool; LANES],
 }
 
 /// What came of four windows.
@@ -152,21 +132,14 @@ impl Kernel for FitLanes<'_> {
             farthest = farthest.max((p.z - plane[0] - plane[1] * p.x - plane[2] * p.y).abs());
             radius = radius.max(p.dot(*p));
         }
-        let nothing = Chosen {
-            coefficients: [F4::ZERO; MOST],
-            sizes: [3; LANES],
-            residual: F4::ZERO,
-            cost: F4::ZERO,
-            found: [false; LANES],
-        };
         let mut fits = Fits {
             frames,
             radius: radius.sqrt(),
             plane: [plane[0], plane[1], plane[2]],
             is_flat: which(|i| i >= batch.seeds.len() || farthest.0[i] <= 4.0 * rounding.0[i] + 1e-14),
             needs_rulings: [false; LANES],
-            simple: nothing,
-            surface: nothing,
+            simple: Chosen::NONE,
+            surface: Chosen::NONE,
             deviation: F4::ZERO,
             error: F4::ZERO,
             quantum,
@@ -176,9 +149,9 @@ impl Kernel for FitLanes<'_> {
         }
         let least = factor.least_eigenvalue(6);
         fits.needs_rulings = which(|i| least.0[i] < SINGULAR && batch.rulings[i].is_empty());
-        add_priors(&mut factor, rounding);
+        factor.add_priors(&priors(factor.paraboloid(), rounding));
         factor.factor(SIMPLE);
-        let mut models = [Model { coefficients: [F4::ZERO; MOST], residual: F4::ZERO, cost: F4::ZERO }; 4];
+        let mut models = [Model::ZERO; 4];
         for (m, model) in models.iter_mut().enumerate() {
             let coefficients = factor.solve(SIZES[m]);
             model.residual = residual(&samples.rows, &samples.values, &coefficients, SIZES[m]);
@@ -186,7 +159,7 @@ impl Kernel for FitLanes<'_> {
             model.coefficients[..SIMPLE].copy_from_slice(&coefficients);
         }
         let reach = batch.reaches / frames.unit;
-        let simple = samples.choose(&models, reach, &fits.is_flat, nothing);
+        let simple = Chosen::among(&models, &fits.is_flat, |f| samples.is_sane(f, reach));
         let degrees = count - F4::of(simple.sizes, |s| s as f64);
         fits.deviation = ((simple.residual + floor) / degrees).sqrt();
         fits.error = fits.deviation * factor.tensor_variance(simple.sizes, SIMPLE).sqrt();
@@ -209,26 +182,6 @@ impl Kernel for FitLanes<'_> {
             }
         }
         fits
-    }
-}
-
-impl Chosen {
-    /// Takes the model of one lane.
-    #[inline(always)]
-    fn take(&mut self, lane: usize, model: &Model, size: usize) {
-        for (to, from) in self.coefficients.iter_mut().zip(&model.coefficients) {
-            to.0[lane] = from.0[lane];
-        }
-        self.sizes[lane] = size;
-        self.residual.0[lane] = model.residual.0[lane];
-        self.cost.0[lane] = model.cost.0[lane];
-    }
-
-    fn polynomial(&self, lane: usize) -> Polynomial<f64> {
-        let size = self.sizes[lane];
-        let mut coefficients = [0.0; MOST];
-        coefficients[..size].iter_mut().zip(&self.coefficients).for_each(|(to, from)| *to = from.0[lane]);
-        Polynomial { coefficients, size }
     }
 }
 
@@ -285,13 +238,8 @@ impl Samples {
         }
         let count = F4::of(batch.counts, |c| c as f64);
         let unit = (total / count).sqrt();
-        // The larger principal axis: half the angle of (uu - vv, 2 uv).
         let (half, cross) = ((uu - vv) * 0.5, uv);
-        let sum = (half * half + cross * cross).sqrt() + half.abs();
-        let x = half.select(sum, cross.abs());
-        let y = half.select(cross, cross.select(sum, -sum));
-        let length = (x * x + y * y).sqrt();
-        let (cos, sin) = (length.if_positive(x / length, F4::ONE), length.if_positive(y / length, F4::ZERO));
+        let (cos, sin) = half_angle(half, cross, (half * half + cross * cross).sqrt());
         let x = u.scaled(cos) + v.scaled(sin);
         let y = n.cross(x);
         let inverse = F4::ONE / unit;
@@ -329,42 +277,13 @@ impl Samples {
         let normal = Normal::new(&self.wide_rows, &self.values);
         let mut factor = Factor::new(&normal);
         factor.factor(6);
-        add_priors(&mut factor, rounding);
+        factor.add_priors(&priors(factor.paraboloid(), rounding));
         factor.factor(MOST);
         let coefficients = factor.solve(MOST);
         let residual = residual(&self.wide_rows, &self.values, &coefficients, MOST);
         let degrees = F4::of(batch.counts, |c| c as f64 - MOST as f64);
         let error = ((residual + floor) / degrees).sqrt() * factor.tensor_variance([MOST; LANES], MOST).sqrt();
         (Model { coefficients, residual, cost: (residual + floor) * penalty }, error)
-    }
-
-    /// In each lane the cheapest model that passes the checks.
-    #[inline(always)]
-    fn choose(&self, models: &[Model; 4], reach: F4, is_flat: &[bool; LANES], mut chosen: Chosen) -> Chosen {
-        let mut left = [[true; 4]; LANES];
-        for _ in 0..models.len() {
-            for (i, left) in left.iter_mut().enumerate() {
-                if chosen.found[i] {
-                    continue;
-                }
-                let mut best = 0;
-                for m in 1..models.len() {
-                    let is_less = models[m].cost.0[i] < models[best].cost.0[i];
-                    if left[m] && (is_less || !left[best]) {
-                        best = m;
-                    }
-                }
-                left[best] = false;
-                chosen.take(i, &models[best], SIZES[best]);
-            }
-            let is_sane = self.is_sane(&Polynomial { coefficients: chosen.coefficients, size: SIMPLE }, reach);
-            let cost = chosen.cost.0;
-            chosen.found = which(|i| chosen.found[i] || is_sane[i] && cost[i] < f64::INFINITY);
-            if !which(|i| !chosen.found[i] && !is_flat[i]).contains(&true) {
-                break;
-            }
-        }
-        chosen
     }
 
     /// False for a surface that turns over within its window: an implicit surface may explain its samples
@@ -388,11 +307,6 @@ impl Samples {
     }
 }
 
-#[inline(always)]
-fn which(is: impl Fn(usize) -> bool) -> [bool; LANES] {
-    [is(0), is(1), is(2), is(3)]
-}
-
 /// One where a lane's window has so many points, zero elsewhere.
 #[inline(always)]
 fn is_inside(batch: &Batch, point: usize) -> F4 {
@@ -410,42 +324,4 @@ fn for_rulings(batch: &Batch, frames: &Frames, mut row: impl FnMut(usize, &[f64;
             row(lane, &basis_along(at.into(), along.into()).map(|d| RULING_WEIGHT * d), RULING_WEIGHT * along.z);
         }
     }
-}
-
-/// Priors on the terms beyond the paraboloid: where rounding is strong, terms that a surface bending as
-/// this one does has no use for stay small. The paraboloid's columns are factored already.
-#[inline(always)]
-fn add_priors<const N: usize>(factor: &mut Factor<N>, rounding: F4) {
-    let paraboloid = factor.solve(6);
-    let [a, b, c] = [paraboloid[3], paraboloid[4], paraboloid[5]];
-    let bend = ((a + c).abs() + ((a - c) * (a - c) + b * b).sqrt()).max(F4::splat(LEAST_BEND));
-    let tight = rounding / (bend * 0.3);
-    let first = tight * tight;
-    let second = first / (bend * bend);
-    let third = second / (bend * bend);
-    for column in 6..N {
-        let prior = match column {
-            6..=8 => first,
-            9..=16 => second,
-            _ => third,
-        };
-        factor.add_prior(column, prior);
-    }
-}
-
-/// What the sizes cost a window of `count` points, as factors of its residual: the stricter of generalised
-/// cross-validation and Schwarz' criterion, step by step. Infinite for sizes that leave fewer than two points over.
-fn penalties(count: usize) -> [f64; SIZES.len()] {
-    let n = count as f64;
-    let (mut penalty, mut before) = (0.0, SIZES[0] as f64);
-    SIZES.map(|size| {
-        if size + 2 > count {
-            return f64::INFINITY;
-        }
-        let k = size as f64;
-        let validation: f64 = 2.0 * ((n - before) / (n - k)).ln();
-        penalty += validation.max((k - before) * n.ln() / n);
-        before = k;
-        penalty.exp()
-    })
 }

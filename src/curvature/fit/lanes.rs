@@ -129,6 +129,12 @@ impl F4 {
     }
 }
 
+/// Whether something holds, lane by lane.
+#[inline(always)]
+pub(super) fn which(is: impl Fn(usize) -> bool) -> [bool; LANES] {
+    [is(0), is(1), is(2), is(3)]
+}
+
 impl Real for F4 {
     #[inline(always)]
     fn splat(value: f64) -> Self {

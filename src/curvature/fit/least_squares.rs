@@ -6,7 +6,7 @@
 use super::lanes::{F4, Kernel, LANES, run};
 
 /// Most columns of a basis.
-pub(super) const MOST: usize = 22;
+pub(super) const MOST: usize = 15;
 type Lane = [f64; LANES];
 
 /// One row per sample: the basis functions there and the value they are to explain. Stored by column.

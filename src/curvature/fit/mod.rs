@@ -11,6 +11,7 @@
 //! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
 mod batch;
+mod choice;
 mod chord;
 mod cyclide;
 mod equations;
@@ -25,6 +26,7 @@ mod marks;
 mod one_sided;
 mod patches;
 mod polynomial;
+mod prior;
 mod rings;
 mod rulings;
 mod samples;

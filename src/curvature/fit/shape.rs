@@ -30,17 +30,22 @@ impl<T: Real> Principal<T> {
         let (a, b, c) = (u.dot(tu), u.dot(tv), v.dot(tv));
         let (mean, half) = ((a + c) * 0.5, (a - c) * 0.5);
         let spread = (half * half + b * b).sqrt();
-        // Half the angle of (half, b), from the sum that does not cancel.
-        let sum = spread + half.abs();
-        let x = half.select(sum, b.abs());
-        let y = half.select(b, b.select(sum, -sum));
-        let length = (x * x + y * y).sqrt();
-        // No direction stands out where both curvatures are equal.
-        let x = length.if_positive(x / length, T::splat(1.0));
-        let y = length.if_positive(y / length, T::splat(0.0));
+        let (x, y) = half_angle(half, b, spread);
         let dir_max = u.scaled(x) + v.scaled(y);
         Principal { k_max: mean + spread, k_min: mean - spread, dir_max, dir_min: normal.cross(dir_max) }
     }
+}
+
+/// Cosine (not negative) and sine of half the angle of (x, y), whose length is given: the direction of the larger
+/// eigenvalue of a matrix with x the half difference of its diagonal and y beside it. (1, 0) where no direction stands out.
+#[inline(always)]
+pub(super) fn half_angle<T: Real>(x: T, y: T, length: T) -> (T, T) {
+    // The sum that does not cancel.
+    let sum = length + x.abs();
+    let cos = x.select(sum, y.abs());
+    let sin = x.select(y, y.select(sum, -sum));
+    let length = (cos * cos + sin * sin).sqrt();
+    (length.if_positive(cos / length, T::splat(1.0)), length.if_positive(sin / length, T::splat(0.0)))
 }
 
 /// Two unit vectors that stand upright on a unit vector and on each other (Duff and others 2017, "Building

@@ -170,17 +170,23 @@ function header(state, models) {
   byId("sentences").hidden = sentences.length === 0;
   const theme = byId("theme");
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const isDark = () => (document.documentElement.dataset.theme ?? (dark.matches ? "dark" : "light")) === "dark";
-  const tell = () => {
-    theme.textContent = isDark() ? "Light" : "Dark";
+  // What the system asks for, until somebody chooses.
+  let chosen = null;
+  const show = () => {
+    const isDark = chosen ?? dark.matches;
+    document.documentElement.dataset.theme = isDark ? "dark" : "light";
+    theme.textContent = isDark ? "Light" : "Dark";
+  };
+  const change = () => {
+    show();
     state.emit("theme");
   };
   theme.addEventListener("click", () => {
-    document.documentElement.dataset.theme = isDark() ? "light" : "dark";
-    tell();
+    chosen = !(chosen ?? dark.matches);
+    change();
   });
-  dark.addEventListener("change", tell);
-  theme.textContent = isDark() ? "Light" : "Dark";
+  dark.addEventListener("change", change);
+  show();
 }
 
 function tools(stage, state, input, fit, savePicture) {
