@@ -13,6 +13,10 @@ pub enum Method {
     Fit,
     /// A surface fitted beside the face: one side of a jump of curvature.
     OneSided,
+    /// A surface fitted to the facets in a row with the face: long facets side by side.
+    Strip,
+    /// The plane of the face and those coplanar with it: what folds at its sides belongs to the surfaces beyond.
+    Flat,
     /// Patches of a noisy surface, in windows of a size chosen from the data, blended.
     Patches,
     /// Windows of one size for the whole mesh: a surface that is rough at every scale, or a given radius.
@@ -27,6 +31,8 @@ impl Method {
             Method::Sections => "sections",
             Method::Fit => "fit",
             Method::OneSided => "one_sided",
+            Method::Strip => "strip",
+            Method::Flat => "flat",
             Method::Patches => "patches",
             Method::Window => "window",
         }

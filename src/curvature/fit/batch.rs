@@ -3,7 +3,9 @@
 use super::ground::Ground;
 use super::lanes::{F4, LANES, V3};
 use super::rings::Rings;
+use super::rulings::{Folds, rulings};
 use super::stars::Mark;
+use super::strips::StripWindow;
 use super::window::Window;
 use crate::mesh::Face;
 use glam::DVec3;
@@ -99,31 +101,57 @@ impl Batch {
         let lane = self.seeds.len();
         self.window.start(ground.mesh, seed);
         self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
-        self.rulings[lane] = super::rulings::rulings(ground.mesh, &self.window);
+        let folds = Folds::within(ground.mesh, &self.window.faces);
+        self.rulings[lane] = rulings(ground.mesh, &self.window.faces, &folds);
         self.load(ground, seed);
     }
 
-    fn place(&mut self, ground: &Ground<'_>, seed: Face) {
-        let (lane, gathered) = (self.seeds.len(), &self.gathered);
-        let (positions, centre) = (ground.mesh.positions(), ground.mesh.barycentre(seed));
-        let count = gathered.rings.vertices.len();
-        if self.points.len() < count {
-            self.points.resize(count, V3::ZERO);
-            self.normals.resize(count, V3::ZERO);
+    /// Loads a part of the strip around a face.
+    pub(super) fn load_strip(&mut self, ground: &Ground<'_>, seed: Face, window: StripWindow) {
+        let lane = self.seeds.len();
+        self.make_room(window.points.len());
+        let centre = ground.mesh.barycentre(seed);
+        for (i, (&point, &normal)) in window.points.iter().zip(&window.normals).enumerate() {
+            self.points[i].set(lane, point - centre);
+            self.normals[i].set(lane, normal);
         }
+        self.uprights.set(lane, window.normals.iter().sum());
+        self.rulings[lane] = window.rulings;
+        self.marks[lane] = Mark::Border;
+        self.coverage[lane] = ground.stars.coverage(&window.vertices);
+        self.add(ground, seed, window.points.len());
+    }
+
+    fn place(&mut self, ground: &Ground<'_>, seed: Face) {
+        let lane = self.seeds.len();
+        let count = self.gathered.rings.vertices.len();
+        self.make_room(count);
+        let (positions, centre) = (ground.mesh.positions(), ground.mesh.barycentre(seed));
         let (mut inside, mut least) = (0, Mark::Deep);
-        for (i, (&v, &normal)) in gathered.rings.vertices.iter().zip(&gathered.normals).enumerate() {
+        for (i, (&v, &normal)) in self.gathered.rings.vertices.iter().zip(&self.gathered.normals).enumerate() {
             self.points[i].set(lane, positions[v as usize] - centre);
             self.normals[i].set(lane, normal);
             inside += usize::from(ground.stars.is_inside(v));
             least = least.min(ground.stars.mark(v));
         }
-        self.seeds.push(seed);
-        self.reaches.0[lane] = 0.5 * ground.mesh.least_height(seed);
-        self.centres[lane] = centre;
-        self.counts[lane] = count;
         self.marks[lane] = least;
         self.coverage[lane] = inside as f64 / count as f64;
+        self.add(ground, seed, count);
+    }
+
+    fn make_room(&mut self, count: usize) {
+        if self.points.len() < count {
+            self.points.resize(count, V3::ZERO);
+            self.normals.resize(count, V3::ZERO);
+        }
+    }
+
+    fn add(&mut self, ground: &Ground<'_>, seed: Face, count: usize) {
+        let lane = self.seeds.len();
+        self.seeds.push(seed);
+        self.reaches.0[lane] = 0.5 * ground.mesh.least_height(seed);
+        self.centres[lane] = ground.mesh.barycentre(seed);
+        self.counts[lane] = count;
     }
 }
 

@@ -7,7 +7,8 @@ use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::polynomial::Polynomial;
 use super::shape::Principal;
 use super::stars::Mark;
-use crate::mesh::{EdgeKind, Face, FaceState};
+use super::strips::StripWindow;
+use crate::mesh::{EdgeKind, Face, FaceState, Mesh};
 use std::ops::Range;
 
 /// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
@@ -35,6 +36,11 @@ pub(super) struct Quality {
 impl Quality {
     pub(super) const NO_FIT: Quality =
         Quality { seed: Face(u32::MAX), misfit: f32::INFINITY, is_uneven: false, is_doubtful: false };
+
+    /// True where no surface explains the window of the face.
+    pub(super) fn is_unexplained(&self) -> bool {
+        self.is_uneven || self.misfit.is_infinite()
+    }
 }
 
 /// What a fit says about a face.
@@ -267,6 +273,21 @@ impl<'g> Surveyor<'g> {
                 error: fit.error,
                 quality: Quality { seed, misfit, is_uneven, is_doubtful },
             })
+        })
+    }
+
+    pub(super) fn mesh(&self) -> &'g Mesh {
+        self.ground.mesh
+    }
+
+    /// What fits to up to four parts of the strip around a face say about it.
+    pub(super) fn read_strips(&mut self, face: Face, windows: Vec<StripWindow>) -> [Option<Reading>; LANES] {
+        self.batch.clear();
+        windows.into_iter().for_each(|window| self.batch.load_strip(self.ground, face, window));
+        let fits = self.fitter.fit(&self.batch);
+        std::array::from_fn(|lane| match fits.outcome(&self.batch, lane) {
+            Outcome::Fitted(fit) => self.readings(face, &fit, &fit.surface.f, &[face])[0],
+            Outcome::NeedsRulings | Outcome::None => None,
         })
     }
 

@@ -3,7 +3,8 @@
 //! 1. [`first`]: around every face, the smallest implicit surface that explains its window ([`exact`]), shared
 //!    among neighbours where it is good. Exact on planes, quadrics and tori on any triangulation, of high
 //!    order elsewhere. Windows that carry no fit are left to the paper's sections.
-//! 2. [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it.
+//! 2. [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it; [`strips`]: long facets
+//!    that lie side by side are fitted in a row; [`flats`]: what folds only because its neighbours bend is flat.
 //! 3. Where fits leave errors that count, the surface is noisy: [`scale`] chooses larger windows from the
 //!    data and [`patches`] blends what they show; a surface that is rough at every scale gets one window
 //!    for all, from [`steady`].
@@ -17,6 +18,7 @@ mod cyclide;
 mod equations;
 mod exact;
 mod first;
+mod flats;
 mod frame;
 mod ground;
 mod implicit;
@@ -34,6 +36,7 @@ mod scale;
 mod shape;
 mod stars;
 mod steady;
+mod strips;
 mod window;
 
 use super::{CurvatureOptions, FaceClass, FaceCurvature, Method};
@@ -118,18 +121,7 @@ pub(super) fn estimate(
         progress.advance(out.len() as u64);
     });
     if quality.iter().any(|q| q.is_uneven) {
-        let least = one_sided::least_around(&ground, &quality);
-        let is_beside_better = |f: usize| {
-            let around = mesh.topology().faces()[f].map(|v| least[v as usize]);
-            quality[f].is_uneven && around.into_iter().any(|m| one_sided::is_better(m, quality[f].misfit))
-        };
-        out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
-            for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| is_beside_better(*f)) {
-                if let Some(value) = worker.one_sided(Face(f as u32), &quality) {
-                    *out = FaceCurvature { coverage: out.coverage, ..value };
-                }
-            }
-        });
+        look_aside(&ground, quantum, worker, &mut quality, out);
     }
     let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
     let wanted: Vec<bool> = out.iter().zip(&quality).map(doubtful).collect();
@@ -137,6 +129,43 @@ pub(super) fn estimate(
     if wanted.contains(&true) {
         look_wider(&ground, options, wanted, out);
     }
+}
+
+/// Values for faces whose windows no surface explains, from the part of the surroundings that goes on as the face does.
+fn look_aside<'g>(
+    ground: &Ground<'g>,
+    quantum: f64,
+    worker: impl Fn() -> Worker<'g> + Sync,
+    quality: &mut [Quality],
+    out: &mut [FaceCurvature],
+) {
+    let mesh = ground.mesh;
+    let least = one_sided::least_around(ground, quality);
+    let is_beside_better = |f: usize| {
+        let around = mesh.topology().faces()[f].map(|v| least[v as usize]);
+        quality[f].is_uneven && around.into_iter().any(|m| one_sided::is_better(m, quality[f].misfit))
+    };
+    out.par_chunks_mut(CHUNK).enumerate().for_each_init(&worker, |worker, (chunk, out)| {
+        for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| is_beside_better(*f)) {
+            if let Some(value) = worker.one_sided(Face(f as u32), quality) {
+                *out = FaceCurvature { coverage: out.coverage, ..value };
+            }
+        }
+    });
+    let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
+    both.enumerate().for_each_init(&worker, |worker, (chunk, (out, quality))| {
+        let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
+        let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
+            out.method != Method::OneSided && quality.is_unexplained() && strips::is_long(mesh, face)
+        };
+        for (face, (out, quality)) in faces.filter(|(face, (out, quality))| is_open(*face, out, quality)) {
+            if let Some(reading) = strips::reading(&mut worker.surveyor, face, quality.misfit) {
+                *out = value_of(&reading, Method::Strip, worker.options);
+                *quality = reading.quality;
+            }
+        }
+    });
+    flats::settle(ground, quantum, quality, out);
 }
 
 /// Replaces the values that are `wanted` by what larger windows say.
@@ -185,18 +214,21 @@ impl Worker<'_> {
         self.window.start(mesh, face);
         self.window.grow_to(mesh, &ground.stars, false, WANTED);
         self.window.add_ring(mesh, &ground.stars, false);
-        let own = quality[face.index()].misfit;
+        let (own, is_long) = (quality[face.index()].misfit, strips::is_long(mesh, face));
         let others = one_sided::candidates(mesh, mesh.barycentre(face), own, &self.window.faces, quality);
         others.chunks(LANES).find_map(|others| {
             let fits = self.surveyor.fits(others);
             fits.iter().zip(others).find_map(|(fit, &g)| {
                 let fit = fit.as_ref()?;
                 let is_honest = fit.simple.size == 3 || !one_sided::is_mostly_plane(mesh, g, &self.window, fit);
-                if !is_honest || !one_sided::lies_on(fit, mesh.triangle(face)) {
+                let is_near = mesh.barycentre(face).distance(fit.surface.frame.origin) <= fit.radius;
+                if !is_honest || !is_near || !one_sided::lies_on(fit, mesh.triangle(face)) {
                     return None;
                 }
                 let [reading, ..] = self.surveyor.readings(g, fit, &fit.simple, &[face]);
-                Some(value_of(&reading?, Method::OneSided, self.options))
+                // Windows of long facets lie apart at both ends, and some surface nearly passes through any two parts.
+                let reading = reading.filter(|r| !is_long || !r.quality.is_uneven)?;
+                Some(value_of(&reading, Method::OneSided, self.options))
             })
         })
     }

@@ -1,0 +1,146 @@
+//! Flat faces among surfaces that run out into them, as on CAD parts with fillets.
+//!
+//! A flat that is meshed from rim to rim has no vertices but those on its rims, which belong to the surfaces beyond as
+//! well, so no window around it is flat. But the folds tell. Where facets with chords w1 and w2 lie on an arc of curvature
+//! k, the surface turns by k (w1 + w2) / 2 from one to the other. Where it turns by k w1 / 2 only, the half that
+//! belongs to the facet on the arc, the other one is tangent to the arc and does not bend.
+
+use super::first::Quality;
+use super::ground::Ground;
+use crate::curvature::{FaceClass, FaceCurvature, Method};
+use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
+use glam::DVec3;
+
+/// Vertices of a flat lie in its plane to this many times the rounding of coordinates.
+const ROUNDING: f64 = 4.0;
+/// Normals of faces that turn by less belong to one flat.
+const PARALLEL: f64 = 1e-5;
+/// How exactly a fold must be half the turn of the facet beyond.
+const EXACT: f64 = 0.1;
+/// Share of the folds around a flat, by length, that must be so.
+const MOST: f64 = 0.6;
+
+/// Gives faces no window explains the curvature of their plane, zero, where the folds around it say so.
+pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out: &mut [FaceCurvature]) {
+    let mesh = ground.mesh;
+    let is_open = |f: Face, out: &[FaceCurvature]| {
+        quality[f.index()].is_unexplained()
+            && mesh.face_state(f) == FaceState::Sound
+            && !matches!(out[f.index()].method, Method::Strip)
+    };
+    let mut seen = vec![false; mesh.face_count()];
+    let (mut flat, mut folds) = (Vec::new(), Vec::new());
+    for seed in (0..mesh.face_count() as u32).map(Face) {
+        if seen[seed.index()] || !is_open(seed, out) {
+            continue;
+        }
+        collect(mesh, seed, quantum, &mut seen, &mut flat, &mut folds);
+        if is_tangent_to_neighbours(mesh, &folds, quality, out) {
+            for &face in &flat {
+                if is_open(face, out) {
+                    out[face.index()] = flat_value(mesh, face, out[face.index()].coverage);
+                }
+            }
+        }
+    }
+}
+
+/// All faces that hang together with the seed in one plane, and the half-edges at which they end in a fold.
+fn collect(
+    mesh: &Mesh,
+    seed: Face,
+    quantum: f64,
+    seen: &mut [bool],
+    flat: &mut Vec<Face>,
+    folds: &mut Vec<HalfEdge>,
+) {
+    flat.clear();
+    folds.clear();
+    flat.push(seed);
+    seen[seed.index()] = true;
+    let mut next = 0;
+    while let Some(&face) = flat.get(next) {
+        next += 1;
+        for h in face.half_edges() {
+            if mesh.edge_kind(h) != EdgeKind::Inner {
+                continue;
+            }
+            let Some(twin) = mesh.topology().twin(h) else { continue };
+            let other = twin.face();
+            if !is_coplanar(mesh, h, twin, quantum) {
+                folds.push(h);
+            } else if !std::mem::replace(&mut seen[other.index()], true) {
+                flat.push(other);
+            }
+        }
+    }
+}
+
+/// True where rounding explains all that a fold turns.
+fn is_coplanar(mesh: &Mesh, h: HalfEdge, twin: HalfEdge, quantum: f64) -> bool {
+    let height = |h: HalfEdge| height(mesh, h);
+    let sine = mesh.normal(h.face()).cross(mesh.normal(twin.face())).length();
+    sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / height(h) + 1.0 / height(twin)))
+}
+
+/// The height of a half-edge's face over it.
+fn height(mesh: &Mesh, h: HalfEdge) -> f64 {
+    let topology = mesh.topology();
+    let length = mesh.position(topology.origin(h)).distance(mesh.position(topology.target(h)));
+    2.0 * mesh.area(h.face()) / length
+}
+
+/// True when at most of the folds, by length, all the surface turns is due to the facet beyond.
+fn is_tangent_to_neighbours(mesh: &Mesh, folds: &[HalfEdge], quality: &[Quality], out: &[FaceCurvature]) -> bool {
+    let topology = mesh.topology();
+    let (mut all, mut tangent) = (0.0, 0.0);
+    for &h in folds {
+        let Some(twin) = topology.twin(h) else { continue };
+        let other = twin.face();
+        let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.position(v));
+        let length = a.distance(b);
+        all += length;
+        let value = &out[other.index()];
+        let is_known = match value.method {
+            Method::OneSided | Method::Strip => true,
+            Method::Fit => !quality[other.index()].is_uneven,
+            _ => false,
+        };
+        if !is_known {
+            continue;
+        }
+        let normals = [h.face(), other].map(|f| mesh.normal(f));
+        let across = normals[1].cross((b - a) / length);
+        let share = across.dot(value.dir_max.as_dvec3()).powi(2);
+        let bend = f64::from(value.k_max) * share + f64::from(value.k_min) * (1.0 - share);
+        let turn = normals[0].cross(normals[1]).length().atan2(normals[0].dot(normals[1]));
+        // Positive where the surface bends away from the normals.
+        let turn = turn * -(mesh.position(topology.apex(twin)) - a).dot(normals[0]).signum();
+        let half = 0.5 * bend * height(mesh, twin);
+        if (turn - half).abs() <= EXACT * half.abs() {
+            tangent += length;
+        }
+    }
+    tangent > MOST * all
+}
+
+fn flat_value(mesh: &Mesh, face: Face, coverage: f32) -> FaceCurvature {
+    let [a, b, c] = mesh.triangle(face);
+    let sides = [b - a, c - b, a - c];
+    let longest = sides.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let along = longest.unwrap_or(DVec3::X).normalize_or_zero();
+    let centre = mesh.barycentre(face);
+    let radius = [a, b, c].map(|p| p.distance(centre)).into_iter().fold(0.0, f64::max);
+    FaceCurvature {
+        k_max: 0.0,
+        k_min: 0.0,
+        dir_max: along.as_vec3(),
+        dir_min: mesh.normal(face).cross(along).as_vec3(),
+        radius: radius as f32,
+        coverage,
+        confidence: 1.0,
+        method: Method::Flat,
+        class: FaceClass::Flat,
+        ..FaceCurvature::NOT_ESTIMATED
+    }
+}

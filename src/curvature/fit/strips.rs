@@ -1,0 +1,166 @@
+//! Long facets side by side, as CAD programs cover cylinders, cones and fillets.
+//!
+//! Rings around a long facet hold mostly what lies beyond its short sides: on a part with fine corners, the corners.
+//! What lies beside it, over its long sides, tells how the surface bends there. So here windows are runs of facets
+//! that share long edges. Near a jump of curvature, where a fillet runs out into a flat, the run that lies
+//! on one side of it explains itself best, as in [`super::one_sided`].
+
+use super::first::{Reading, Surveyor};
+use super::lanes::LANES;
+use super::one_sided::is_better;
+use super::rulings::{Folds, rulings};
+use super::window::scaled_normal;
+use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
+use glam::DVec3;
+use std::ops::Range;
+
+/// A facet is long where its shortest side is less than this share of its longest.
+const SLENDER: f64 = 0.25;
+/// Facets looked at on either side, as triangles.
+const REACH: usize = 12;
+/// Cells of the windows that are tried, one size after the other. Three have four folds: a circle has three degrees
+/// of freedom, so that it can fail to explain them.
+const SIZES: [usize; 2] = [6, 3];
+
+/// Facets in a row, each beside the next over a long edge.
+pub(super) struct Strip {
+    faces: Vec<Face>,
+    /// The edge from each facet to the next.
+    between: Vec<HalfEdge>,
+    /// Where cells of coplanar facets begin, and the end of the last.
+    bounds: Vec<usize>,
+    /// The cell of the facet the strip was laid around.
+    middle: usize,
+}
+
+/// The part of a strip that a surface is fitted to.
+pub(super) struct StripWindow {
+    pub(super) vertices: Vec<u32>,
+    /// Where they are; behind them the middles of straight folds.
+    pub(super) points: Vec<DVec3>,
+    /// Normals there, as long as the roots of areas.
+    pub(super) normals: Vec<DVec3>,
+    /// Places and directions in which the surface is straight.
+    pub(super) rulings: Vec<(DVec3, DVec3)>,
+}
+
+/// The two long edges of a sound long facet.
+fn long_edges(mesh: &Mesh, face: Face) -> Option<[HalfEdge; 2]> {
+    if mesh.face_state(face) != FaceState::Sound {
+        return None;
+    }
+    let topology = mesh.topology();
+    let length = |h: HalfEdge| mesh.position(topology.origin(h)).distance_squared(mesh.position(topology.target(h)));
+    let sides = face.half_edges().map(|h| (length(h), h));
+    let [a, b, c] = sides;
+    let (shortest, others) = if a.0 <= b.0 && a.0 <= c.0 {
+        (a.0, [b, c])
+    } else if b.0 <= c.0 {
+        (b.0, [c, a])
+    } else {
+        (c.0, [a, b])
+    };
+    let longest = others[0].0.max(others[1].0);
+    (shortest < SLENDER * SLENDER * longest).then_some(others.map(|o| o.1))
+}
+
+pub(super) fn is_long(mesh: &Mesh, face: Face) -> bool {
+    long_edges(mesh, face).is_some()
+}
+
+impl Strip {
+    /// The strip around a long facet.
+    pub(super) fn around(mesh: &Mesh, seed: Face) -> Option<Self> {
+        let exits = long_edges(mesh, seed)?;
+        let mut strip = Strip { faces: vec![seed], between: Vec::new(), bounds: Vec::new(), middle: 0 };
+        strip.walk(mesh, exits[0]);
+        strip.faces.reverse();
+        strip.between.reverse();
+        let at = strip.faces.len() - 1;
+        strip.walk(mesh, exits[1]);
+        let folds = Folds::of(mesh, strip.between.iter().copied());
+        strip.bounds = (0..=strip.faces.len())
+            .filter(|&i| i == 0 || i == strip.faces.len() || !folds.has_diagonals || !folds.is_diagonal(i - 1))
+            .collect();
+        strip.middle = strip.bounds.partition_point(|&b| b <= at) - 1;
+        Some(strip)
+    }
+
+    /// Goes over long edges until the facets are long no more.
+    fn walk(&mut self, mesh: &Mesh, mut exit: HalfEdge) {
+        for _ in 0..REACH {
+            let inner = |h: HalfEdge| mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner);
+            let Some(twin) = inner(exit) else { return };
+            let face = twin.face();
+            // Round a closed strip, facets come again.
+            let Some(exits) = long_edges(mesh, face).filter(|e| e.contains(&twin) && !self.faces.contains(&face)) else {
+                return;
+            };
+            self.faces.push(face);
+            self.between.push(exit);
+            exit = if exits[0] == twin { exits[1] } else { exits[0] };
+        }
+    }
+
+    /// Runs of so many cells that hold the middle, those about it first.
+    fn runs(&self, cells: usize) -> Vec<Range<usize>> {
+        let there = self.bounds.len() - 1;
+        let first = (self.middle + 1).saturating_sub(cells);
+        let mut starts: Vec<usize> = (first..=self.middle).filter(|s| s + cells <= there).collect();
+        starts.sort_by_key(|s| (2 * s + cells).abs_diff(2 * self.middle + 1));
+        starts.into_iter().map(|s| self.bounds[s]..self.bounds[s + cells]).collect()
+    }
+
+    fn window(&self, mesh: &Mesh, run: Range<usize>) -> StripWindow {
+        let mut vertices: Vec<u32> = Vec::with_capacity(run.len() + 2);
+        let mut normals: Vec<DVec3> = Vec::with_capacity(run.len() + 2);
+        let faces: Vec<u32> = self.faces[run.clone()].iter().map(|f| f.0).collect();
+        for face in faces.iter().map(|&f| Face(f)) {
+            let normal = scaled_normal(mesh, face);
+            for v in mesh.topology().corners(face) {
+                let at = vertices.iter().position(|&w| w == v.0).unwrap_or_else(|| {
+                    vertices.push(v.0);
+                    normals.push(DVec3::ZERO);
+                    vertices.len() - 1
+                });
+                normals[at] += normal;
+            }
+        }
+        let mut points: Vec<DVec3> = vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        let folds = Folds::of(mesh, self.between[run.start..run.end - 1].iter().copied());
+        if folds.has_diagonals {
+            for fold in folds.sharp() {
+                points.push(fold.ends[0].midpoint(fold.ends[1]));
+                normals.push(fold.normal);
+            }
+        }
+        StripWindow { vertices, points, normals, rulings: rulings(mesh, &faces, &folds) }
+    }
+}
+
+/// What the strip around a face says about it, where that explains its own window much better than `own`, the misfit
+/// of the face's fit so far.
+pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, own: f32) -> Option<Reading> {
+    let mesh = surveyor.mesh();
+    let strip = Strip::around(mesh, face)?;
+    SIZES.iter().find_map(|&cells| {
+        let runs = strip.runs(cells);
+        let mut best: Option<(i32, Reading)> = None;
+        for runs in runs.chunks(LANES) {
+            let windows = runs.iter().map(|run| strip.window(mesh, run.clone())).collect();
+            for reading in surveyor.read_strips(face, windows).into_iter().flatten() {
+                let misfit = reading.quality.misfit;
+                let is_honest = if own.is_finite() { is_better(misfit, own) } else { !reading.quality.is_uneven };
+                // In powers of ten: among equals the one about the face.
+                let power = if reading.quality.is_uneven { f64::from(misfit).log10().floor() as i32 } else { i32::MIN };
+                if is_honest && best.as_ref().is_none_or(|b| power < b.0) {
+                    best = Some((power, reading));
+                }
+            }
+            if best.as_ref().is_some_and(|b| b.0 == i32::MIN) {
+                break;
+            }
+        }
+        best.map(|b| b.1)
+    })
+}
