@@ -18,8 +18,8 @@ const BETTER: f64 = 0.02;
 /// Most neighbours tried.
 const TRIED: usize = 16;
 
-/// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit, and
-/// no side of it from one sheet of the surface to another.
+/// True when a triangle is one of the surface that a fit found: its corners within the fit's misfit, its middle within
+/// half its width, and no side of it from one sheet of the surface to another.
 pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
     // Along a circle the normals at both ends lean against the chord alike.
     const LEAN: f64 = 0.1;
@@ -27,6 +27,12 @@ pub(super) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> bool {
     let corners = triangle.map(|p| surface.frame.to_local(p));
     let gradients = corners.map(|p| surface.gradient(p));
     let reach = 3.0 * fit.misfit / surface.frame.unit;
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let longest = (0..3).map(|i| corners[i].distance_squared(corners[(i + 1) % 3])).fold(0.0, f64::max).sqrt();
+    let width = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length() / longest;
+    if DVec3::from(surface.f.foot(middle.into())).distance(middle) > 0.5 * width {
+        return false;
+    }
     (0..3).all(|i| {
         let j = (i + 1) % 3;
         let lean = (gradients[i].normalize_or_zero() + gradients[j].normalize_or_zero()).dot(corners[j] - corners[i]);
