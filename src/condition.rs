@@ -162,7 +162,8 @@ fn class(name: &str) -> Result<FaceClass, String> {
 }
 
 fn method(name: &str) -> Result<Method, String> {
-    let known = [Method::Sections, Method::Fit, Method::OneSided, Method::Strip, Method::Flat, Method::Patches, Method::Window];
+    let known =
+        [Method::Sections, Method::Fit, Method::OneSided, Method::Strip, Method::Flat, Method::Patches, Method::Window];
     known.into_iter().find(|method| method.name() == name).ok_or_else(|| {
         let known: Vec<&str> = known.iter().map(|method| method.name()).collect();
         format!("unknown method \"{name}\"; known are {}", known.join(", "))

@@ -259,6 +259,12 @@ impl Mesh {
         (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
     }
 
+    /// The height of a half-edge's face over it.
+    pub(crate) fn height(&self, h: HalfEdge) -> f64 {
+        let [a, b] = [self.topology.origin(h), self.topology.target(h)].map(|v| self.position(v));
+        2.0 * self.area(h.face()) / a.distance(b)
+    }
+
     /// The least of a face's three heights.
     pub fn least_height(&self, face: Face) -> f64 {
         let [a, b, c] = self.triangle(face);

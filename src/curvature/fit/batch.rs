@@ -102,7 +102,7 @@ impl Batch {
         self.window.start(ground.mesh, seed);
         self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
         let folds = Folds::within(ground.mesh, &self.window.faces);
-        self.rulings[lane] = rulings(ground.mesh, &self.window.faces, &folds);
+        self.rulings[lane] = rulings(ground.mesh, &self.window.faces, folds.has_diagonals.then_some(&folds));
         self.load(ground, seed);
     }
 

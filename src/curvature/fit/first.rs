@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
 const GOOD: f64 = 2e-3;
+/// One whose tensor is expected to be off by more than this share tells little.
+const VAGUE: f64 = 0.1;
 /// Misfits up to this many times the rounding of coordinates are none.
 const ROUNDING: f64 = 20.0;
 /// Rounding within a fit, in radii of its window.
@@ -29,17 +31,19 @@ pub(super) struct Quality {
     pub(super) misfit: f32,
     /// True where rounding does not explain the misfit.
     pub(super) is_uneven: bool,
-    /// True where the values may be far off.
+    /// True where rounding does not explain the misfit and the values may be off.
     pub(super) is_doubtful: bool,
+    /// True where they may be far off, whatever explains the misfit: many surfaces pass through the window.
+    pub(super) is_vague: bool,
 }
 
 impl Quality {
     pub(super) const NO_FIT: Quality =
-        Quality { seed: Face(u32::MAX), misfit: f32::INFINITY, is_uneven: false, is_doubtful: false };
+        Quality { seed: Face(u32::MAX), misfit: f32::INFINITY, is_uneven: false, is_doubtful: false, is_vague: true };
 
-    /// True where no surface explains the window of the face.
+    /// True where no surface explains the window of the face, or too many do.
     pub(super) fn is_unexplained(&self) -> bool {
-        self.is_uneven || self.misfit.is_infinite()
+        self.is_uneven || self.is_vague
     }
 }
 
@@ -266,12 +270,13 @@ impl<'g> Surveyor<'g> {
             };
             let bend = principal.k_max.abs().max(principal.k_min.abs());
             let is_doubtful = is_uneven && fit.error >= GOOD * bend;
+            let is_vague = fit.error >= VAGUE * bend && fit.error > 0.0;
             bend.is_finite().then_some(Reading {
                 principal,
                 radius: fit.radius,
                 coverage: fit.coverage,
                 error: fit.error,
-                quality: Quality { seed, misfit, is_uneven, is_doubtful },
+                quality: Quality { seed, misfit, is_uneven, is_doubtful, is_vague },
             })
         })
     }

@@ -15,8 +15,11 @@ use glam::DVec3;
 const ROUNDING: f64 = 4.0;
 /// Normals of faces that turn by less belong to one flat.
 const PARALLEL: f64 = 1e-5;
-/// How exactly a fold must be half the turn of the facet beyond.
-const EXACT: f64 = 0.1;
+/// How far a fold may be from half the turn of the facet beyond, in shares of that.
+const CLOSE: f64 = 0.1;
+/// The same where the flat is so many times as large as the facets beyond: on one arc with them it would turn by far
+/// more than the half. Triangles that halve cells which are not flat turn by a sixth more or less.
+const LARGE: (f64, f64) = (4.0, 0.4);
 /// Share of the folds around a flat, by length, that must be so.
 const MOST: f64 = 0.6;
 
@@ -35,7 +38,7 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out
             continue;
         }
         collect(mesh, seed, quantum, &mut seen, &mut flat, &mut folds);
-        if is_tangent_to_neighbours(mesh, &folds, quality, out) {
+        if is_tangent_to_neighbours(mesh, &flat, &folds, quality, out) {
             for &face in &flat {
                 if is_open(face, out) {
                     out[face.index()] = flat_value(mesh, face, out[face.index()].coverage);
@@ -46,14 +49,7 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out
 }
 
 /// All faces that hang together with the seed in one plane, and the half-edges at which they end in a fold.
-fn collect(
-    mesh: &Mesh,
-    seed: Face,
-    quantum: f64,
-    seen: &mut [bool],
-    flat: &mut Vec<Face>,
-    folds: &mut Vec<HalfEdge>,
-) {
+fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut Vec<Face>, folds: &mut Vec<HalfEdge>) {
     flat.clear();
     folds.clear();
     flat.push(seed);
@@ -78,21 +74,22 @@ fn collect(
 
 /// True where rounding explains all that a fold turns.
 fn is_coplanar(mesh: &Mesh, h: HalfEdge, twin: HalfEdge, quantum: f64) -> bool {
-    let height = |h: HalfEdge| height(mesh, h);
     let sine = mesh.normal(h.face()).cross(mesh.normal(twin.face())).length();
-    sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / height(h) + 1.0 / height(twin)))
-}
-
-/// The height of a half-edge's face over it.
-fn height(mesh: &Mesh, h: HalfEdge) -> f64 {
-    let topology = mesh.topology();
-    let length = mesh.position(topology.origin(h)).distance(mesh.position(topology.target(h)));
-    2.0 * mesh.area(h.face()) / length
+    sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / mesh.height(h) + 1.0 / mesh.height(twin)))
 }
 
 /// True when at most of the folds, by length, all the surface turns is due to the facet beyond.
-fn is_tangent_to_neighbours(mesh: &Mesh, folds: &[HalfEdge], quality: &[Quality], out: &[FaceCurvature]) -> bool {
+fn is_tangent_to_neighbours(
+    mesh: &Mesh,
+    flat: &[Face],
+    folds: &[HalfEdge],
+    quality: &[Quality],
+    out: &[FaceCurvature],
+) -> bool {
     let topology = mesh.topology();
+    let area: f64 = flat.iter().map(|&f| mesh.area(f)).sum();
+    let beyond: f64 = folds.iter().filter_map(|&h| Some(mesh.area(topology.twin(h)?.face()))).sum();
+    let close = if area * folds.len() as f64 > LARGE.0 * beyond { LARGE.1 } else { CLOSE };
     let (mut all, mut tangent) = (0.0, 0.0);
     for &h in folds {
         let Some(twin) = topology.twin(h) else { continue };
@@ -116,8 +113,8 @@ fn is_tangent_to_neighbours(mesh: &Mesh, folds: &[HalfEdge], quality: &[Quality]
         let turn = normals[0].cross(normals[1]).length().atan2(normals[0].dot(normals[1]));
         // Positive where the surface bends away from the normals.
         let turn = turn * -(mesh.position(topology.apex(twin)) - a).dot(normals[0]).signum();
-        let half = 0.5 * bend * height(mesh, twin);
-        if (turn - half).abs() <= EXACT * half.abs() {
+        let half = 0.5 * bend * mesh.height(twin);
+        if (turn - half).abs() <= close * half.abs() {
             tangent += length;
         }
     }

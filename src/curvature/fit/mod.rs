@@ -120,7 +120,7 @@ pub(super) fn estimate(
         worker.first(start..start + out.len() as u32, out, quality);
         progress.advance(out.len() as u64);
     });
-    if quality.iter().any(|q| q.is_uneven) {
+    if quality.iter().any(Quality::is_unexplained) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
     let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
@@ -159,7 +159,9 @@ fn look_aside<'g>(
             out.method != Method::OneSided && quality.is_unexplained() && strips::is_long(mesh, face)
         };
         for (face, (out, quality)) in faces.filter(|(face, (out, quality))| is_open(*face, out, quality)) {
-            if let Some(reading) = strips::reading(&mut worker.surveyor, face, quality.misfit) {
+            if let Some(reading) =
+                strips::reading(&mut worker.surveyor, face, quality.is_uneven || quality.misfit.is_infinite())
+            {
                 *out = value_of(&reading, Method::Strip, worker.options);
                 *quality = reading.quality;
             }

@@ -66,8 +66,8 @@ impl Folds {
 /// Where the strip consists of flat cells, the folds between them are the rulings. Elsewhere, as
 /// between rims whose vertices alternate, the direction to which all normals are most nearly
 /// perpendicular stands for them.
-pub(super) fn rulings(mesh: &Mesh, faces: &[u32], folds: &Folds) -> Vec<(DVec3, DVec3)> {
-    if folds.has_diagonals {
+pub(super) fn rulings(mesh: &Mesh, faces: &[u32], folds: Option<&Folds>) -> Vec<(DVec3, DVec3)> {
+    if let Some(folds) = folds {
         // Not in the middle, where the product of both rims' planes has no slope.
         let quarters = |f: &Fold| [0.25, 0.75].map(|t| (f.ends[0].lerp(f.ends[1], t), f.ends[1] - f.ends[0]));
         return folds.sharp().flat_map(quarters).collect();

@@ -7,7 +7,6 @@
 
 use super::first::{Reading, Surveyor};
 use super::lanes::LANES;
-use super::one_sided::is_better;
 use super::rulings::{Folds, rulings};
 use super::window::scaled_normal;
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
@@ -15,12 +14,19 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// A facet is long where its shortest side is less than this share of its longest.
-const SLENDER: f64 = 0.25;
+const SLENDER: f64 = 0.5;
+/// Facets of one surface are alike: a strip ends before a facet so many times as wide as the one before it, or the reverse.
+const ALIKE: f64 = 3.0;
 /// Facets looked at on either side, as triangles.
 const REACH: usize = 12;
-/// Cells of the windows that are tried, one size after the other. Three have four folds: a circle has three degrees
-/// of freedom, so that it can fail to explain them.
-const SIZES: [usize; 2] = [6, 3];
+/// Least numbers of triangles in the windows that are tried, one after the other. Six in cells of two have four
+/// straight folds, and nine that alternate have eleven corners: fewer would be explained by any cylinder.
+const PAIRED: [usize; 2] = [12, 6];
+const ALTERNATING: [usize; 2] = [12, 9];
+/// A strip must promise an error this much less than the window around the face does.
+const BETTER: f64 = 0.1;
+/// Curvature along a strip, in shares of that across, from which it is more than a strip.
+const BENT: f64 = 0.1;
 
 /// Facets in a row, each beside the next over a long edge.
 pub(super) struct Strip {
@@ -64,6 +70,20 @@ fn long_edges(mesh: &Mesh, face: Face) -> Option<[HalfEdge; 2]> {
     (shortest < SLENDER * SLENDER * longest).then_some(others.map(|o| o.1))
 }
 
+/// Nearly the curvature along a strip, from how the surface folds at the short side of a facet.
+fn curvature_along(mesh: &Mesh, face: Face, exits: [HalfEdge; 2]) -> f64 {
+    let Some(short) = face.half_edges().into_iter().find(|h| !exits.contains(h)) else { return 0.0 };
+    let Some(twin) = mesh.topology().twin(short).filter(|_| mesh.edge_kind(short) == EdgeKind::Inner) else {
+        return 0.0;
+    };
+    let heights = [mesh.height(short), mesh.height(twin)];
+    if heights[1] < heights[0] / ALIKE {
+        // Another surface begins there, and turns.
+        return 0.0;
+    }
+    2.0 * mesh.normal(face).cross(mesh.normal(twin.face())).length() / (heights[0] + heights[1])
+}
+
 pub(super) fn is_long(mesh: &Mesh, face: Face) -> bool {
     long_edges(mesh, face).is_some()
 }
@@ -92,8 +112,13 @@ impl Strip {
             let inner = |h: HalfEdge| mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner);
             let Some(twin) = inner(exit) else { return };
             let face = twin.face();
+            let ratio = mesh.area(face) / mesh.area(exit.face());
+            if !(ratio < ALIKE && ratio > 1.0 / ALIKE) {
+                return;
+            }
             // Round a closed strip, facets come again.
-            let Some(exits) = long_edges(mesh, face).filter(|e| e.contains(&twin) && !self.faces.contains(&face)) else {
+            let Some(exits) = long_edges(mesh, face).filter(|e| e.contains(&twin) && !self.faces.contains(&face))
+            else {
                 return;
             };
             self.faces.push(face);
@@ -102,13 +127,19 @@ impl Strip {
         }
     }
 
-    /// Runs of so many cells that hold the middle, those about it first.
-    fn runs(&self, cells: usize) -> Vec<Range<usize>> {
-        let there = self.bounds.len() - 1;
-        let first = (self.middle + 1).saturating_sub(cells);
-        let mut starts: Vec<usize> = (first..=self.middle).filter(|s| s + cells <= there).collect();
-        starts.sort_by_key(|s| (2 * s + cells).abs_diff(2 * self.middle + 1));
-        starts.into_iter().map(|s| self.bounds[s]..self.bounds[s + cells]).collect()
+    /// Runs of whole cells, of no more than needed for so many triangles, that hold the middle; those about it first.
+    fn runs(&self, triangles: usize) -> Vec<Range<usize>> {
+        let end_of = |&start: &usize| self.bounds.iter().find(|&&end| end >= start + triangles);
+        let middle = self.bounds[self.middle]..self.bounds[self.middle + 1];
+        let runs = self.bounds.iter().filter_map(|start| Some(*start..*end_of(start)?));
+        let mut runs: Vec<_> = runs.filter(|run| run.start <= middle.start && middle.end <= run.end).collect();
+        runs.sort_by_key(|run| (run.start + run.end).abs_diff(middle.start + middle.end));
+        runs
+    }
+
+    /// Whether all facets between two places belong to flat cells of several.
+    fn is_paired(&self, run: &Range<usize>) -> bool {
+        self.bounds.windows(2).filter(|b| run.contains(&b[0])).all(|b| b[1] - b[0] > 1)
     }
 
     fn window(&self, mesh: &Mesh, run: Range<usize>) -> StripWindow {
@@ -128,32 +159,44 @@ impl Strip {
         }
         let mut points: Vec<DVec3> = vertices.iter().map(|&v| mesh.positions()[v as usize]).collect();
         let folds = Folds::of(mesh, self.between[run.start..run.end - 1].iter().copied());
-        if folds.has_diagonals {
+        if self.is_paired(&run) {
             for fold in folds.sharp() {
                 points.push(fold.ends[0].midpoint(fold.ends[1]));
                 normals.push(fold.normal);
             }
         }
-        StripWindow { vertices, points, normals, rulings: rulings(mesh, &faces, &folds) }
+        StripWindow {
+            vertices,
+            points,
+            normals,
+            rulings: rulings(mesh, &faces, self.is_paired(&run).then_some(&folds)),
+        }
     }
 }
 
-/// What the strip around a face says about it, where that explains its own window much better than `own`, the misfit
-/// of the face's fit so far.
-pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, own: f32) -> Option<Reading> {
+/// What the strip around a face says about it, where that promises a far smaller error than the window around the face.
+pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, is_uneven: bool) -> Option<Reading> {
     let mesh = surveyor.mesh();
     let strip = Strip::around(mesh, face)?;
-    SIZES.iter().find_map(|&cells| {
-        let runs = strip.runs(cells);
+    let own = surveyor.fits(&[face])[0].as_ref().map_or(f64::INFINITY, |fit| fit.error);
+    let along = curvature_along(mesh, face, long_edges(mesh, face)?);
+    let middle = strip.bounds[strip.middle]..strip.bounds[strip.middle + 1];
+    let sizes = if strip.is_paired(&middle) { PAIRED } else { ALTERNATING };
+    sizes.iter().find_map(|&triangles| {
+        let runs = strip.runs(triangles);
         let mut best: Option<(i32, Reading)> = None;
         for runs in runs.chunks(LANES) {
             let windows = runs.iter().map(|run| strip.window(mesh, run.clone())).collect();
             for reading in surveyor.read_strips(face, windows).into_iter().flatten() {
-                let misfit = reading.quality.misfit;
-                let is_honest = if own.is_finite() { is_better(misfit, own) } else { !reading.quality.is_uneven };
+                let is_even = !reading.quality.is_uneven;
                 // In powers of ten: among equals the one about the face.
-                let power = if reading.quality.is_uneven { f64::from(misfit).log10().floor() as i32 } else { i32::MIN };
-                if is_honest && best.as_ref().is_none_or(|b| power < b.0) {
+                let power = if is_even { i32::MIN } else { reading.error.log10().floor() as i32 };
+                let across = reading.principal.k_max.abs().max(reading.principal.k_min.abs());
+                let is_straight = across == 0.0 || along <= BENT * across;
+                if is_straight
+                    && (is_even && is_uneven || reading.error < BETTER * own)
+                    && best.as_ref().is_none_or(|b| power < b.0)
+                {
                     best = Some((power, reading));
                 }
             }
