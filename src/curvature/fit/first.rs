@@ -42,7 +42,7 @@ impl Quality {
         Quality { seed: Face(u32::MAX), misfit: f32::INFINITY, is_uneven: false, is_doubtful: false, is_vague: true };
 
     /// True where no surface explains the window of the face, or too many do.
-    pub(super) fn is_unexplained(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.is_uneven || self.is_vague
     }
 }
@@ -268,7 +268,7 @@ impl<'g> Surveyor<'g> {
                 dir_max: (frame.axes * principal.dir_max.get(lane)).into(),
                 dir_min: (frame.axes * principal.dir_min.get(lane)).into(),
             };
-            let bend = principal.k_max.abs().max(principal.k_min.abs());
+            let bend = principal.size();
             let is_doubtful = is_uneven && fit.error >= GOOD * bend;
             let is_vague = fit.error >= VAGUE * bend && fit.error > 0.0;
             bend.is_finite().then_some(Reading {
@@ -279,6 +279,22 @@ impl<'g> Surveyor<'g> {
                 quality: Quality { seed, misfit, is_uneven, is_doubtful, is_vague },
             })
         })
+    }
+
+    /// The fit around a face, with rulings where it needs them.
+    pub(super) fn fit(&mut self, seed: Face) -> Option<Fit> {
+        self.batch.clear();
+        self.batch.load(self.ground, seed);
+        let mut outcome = self.fitter.fit(&self.batch).outcome(&self.batch, 0);
+        if matches!(outcome, Outcome::NeedsRulings) {
+            self.batch.clear();
+            self.batch.load_with_rulings(self.ground, seed);
+            outcome = self.fitter.fit(&self.batch).outcome(&self.batch, 0);
+        }
+        match outcome {
+            Outcome::Fitted(fit) => Some(fit),
+            Outcome::NeedsRulings | Outcome::None => None,
+        }
     }
 
     pub(super) fn mesh(&self) -> &'g Mesh {

@@ -20,6 +20,8 @@ const CLOSE: f64 = 0.1;
 /// The same where the flat is so many times as large as the facets beyond: on one arc with them it would turn by far
 /// more than the half. Triangles that halve cells which are not flat turn by a sixth more or less.
 const LARGE: (f64, f64) = (4.0, 0.4);
+/// A surface that touches a plane along a line does not bend along it; most curvature there, in shares of that across.
+const STRAIGHT: f64 = 0.25;
 /// Share of the folds around a flat, by length, that must be so.
 const MOST: f64 = 0.6;
 
@@ -27,7 +29,7 @@ const MOST: f64 = 0.6;
 pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out: &mut [FaceCurvature]) {
     let mesh = ground.mesh;
     let is_open = |f: Face, out: &[FaceCurvature]| {
-        quality[f.index()].is_unexplained()
+        quality[f.index()].is_open()
             && mesh.face_state(f) == FaceState::Sound
             && !matches!(out[f.index()].method, Method::Strip)
     };
@@ -100,7 +102,7 @@ fn is_tangent_to_neighbours(
         let value = &out[other.index()];
         let is_known = match value.method {
             Method::OneSided | Method::Strip => true,
-            Method::Fit => !quality[other.index()].is_uneven,
+            Method::Fit => !quality[other.index()].is_open(),
             _ => false,
         };
         if !is_known {
@@ -108,8 +110,12 @@ fn is_tangent_to_neighbours(
         }
         let normals = [h.face(), other].map(|f| mesh.normal(f));
         let across = normals[1].cross((b - a) / length);
-        let share = across.dot(value.dir_max.as_dvec3()).powi(2);
-        let bend = f64::from(value.k_max) * share + f64::from(value.k_min) * (1.0 - share);
+        let share = across.dot(value.dir_max.as_dvec3()).powi(2).min(1.0);
+        let (k_max, k_min) = (f64::from(value.k_max), f64::from(value.k_min));
+        let (bend, along) = (k_max * share + k_min * (1.0 - share), k_min * share + k_max * (1.0 - share));
+        if along.abs() > STRAIGHT * bend.abs() {
+            continue;
+        }
         let turn = normals[0].cross(normals[1]).length().atan2(normals[0].dot(normals[1]));
         // Positive where the surface bends away from the normals.
         let turn = turn * -(mesh.position(topology.apex(twin)) - a).dot(normals[0]).signum();

@@ -29,6 +29,7 @@ mod one_sided;
 mod patches;
 mod polynomial;
 mod prior;
+mod quantum;
 mod rings;
 mod rulings;
 mod samples;
@@ -49,6 +50,7 @@ use glam::Vec3;
 use ground::Ground;
 use lanes::LANES;
 use patches::Blended;
+use quantum::quantum;
 use rayon::prelude::*;
 use samples::Sampler;
 use shape::Principal;
@@ -120,7 +122,7 @@ pub(super) fn estimate(
         worker.first(start..start + out.len() as u32, out, quality);
         progress.advance(out.len() as u64);
     });
-    if quality.iter().any(Quality::is_unexplained) {
+    if quality.iter().any(Quality::is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
     let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
@@ -156,12 +158,10 @@ fn look_aside<'g>(
     both.enumerate().for_each_init(&worker, |worker, (chunk, (out, quality))| {
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
         let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
-            out.method != Method::OneSided && quality.is_unexplained() && strips::is_long(mesh, face)
+            out.method != Method::OneSided && quality.is_open() && strips::is_long(mesh, face)
         };
         for (face, (out, quality)) in faces.filter(|(face, (out, quality))| is_open(*face, out, quality)) {
-            if let Some(reading) =
-                strips::reading(&mut worker.surveyor, face, quality.is_uneven || quality.misfit.is_infinite())
-            {
+            if let Some(reading) = strips::reading(&mut worker.surveyor, face, quality) {
                 *out = value_of(&reading, Method::Strip, worker.options);
                 *quality = reading.quality;
             }
@@ -216,7 +216,7 @@ impl Worker<'_> {
         self.window.start(mesh, face);
         self.window.grow_to(mesh, &ground.stars, false, WANTED);
         self.window.add_ring(mesh, &ground.stars, false);
-        let (own, is_long) = (quality[face.index()].misfit, strips::is_long(mesh, face));
+        let own = quality[face.index()].misfit;
         let others = one_sided::candidates(mesh, mesh.barycentre(face), own, &self.window.faces, quality);
         others.chunks(LANES).find_map(|others| {
             let fits = self.surveyor.fits(others);
@@ -229,7 +229,7 @@ impl Worker<'_> {
                 }
                 let [reading, ..] = self.surveyor.readings(g, fit, &fit.simple, &[face]);
                 // Windows of long facets lie apart at both ends, and some surface nearly passes through any two parts.
-                let reading = reading.filter(|r| !is_long || !r.quality.is_uneven)?;
+                let reading = reading.filter(|r| !r.quality.is_uneven || !strips::is_slender(mesh, g))?;
                 Some(value_of(&reading, Method::OneSided, self.options))
             })
         })
@@ -265,21 +265,6 @@ fn value_from(p: &Principal, radius: f64, options: &CurvatureOptions) -> FaceCur
 /// One half where the expected error is a twentieth of the curvature; for faces that hardly bend, of the
 /// curvature that turns by a fiftieth of a radian over the window.
 fn confidence(principal: &Principal, error: f64, radius: f64) -> f64 {
-    let bend = principal.k_max.abs().max(principal.k_min.abs()).max(0.02 / radius);
+    let bend = principal.size().max(0.02 / radius);
     1.0 / (1.0 + error / (0.05 * bend))
-}
-
-/// The rounding of the mesh's coordinates, in file units: that of 32-bit floats where all are such.
-fn quantum(mesh: &Mesh) -> f64 {
-    let origin = mesh.origin();
-    let (largest, single) = mesh
-        .positions()
-        .par_iter()
-        .filter(|p| p.is_finite())
-        .map(|&p| {
-            let p = p + origin;
-            (p.abs().max_element(), p.as_vec3().as_dvec3() == p)
-        })
-        .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 && b.1));
-    largest * if single { 6e-8 } else { 1e-16 }
 }

@@ -21,6 +21,13 @@ pub(super) struct Principal<T = f64> {
     pub(super) dir_min: V3<T>,
 }
 
+impl Principal {
+    /// The larger absolute curvature.
+    pub(super) fn size(&self) -> f64 {
+        self.k_max.abs().max(self.k_min.abs())
+    }
+}
+
 impl<T: Real> Principal<T> {
     /// From a unit normal and a matrix whose products with tangents are those of the tensor.
     #[inline(always)]

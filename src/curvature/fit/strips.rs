@@ -5,7 +5,7 @@
 //! that share long edges. Near a jump of curvature, where a fillet runs out into a flat, the run that lies
 //! on one side of it explains itself best, as in [`super::one_sided`].
 
-use super::first::{Reading, Surveyor};
+use super::first::{Quality, Reading, Surveyor};
 use super::lanes::LANES;
 use super::rulings::{Folds, rulings};
 use super::window::scaled_normal;
@@ -13,8 +13,9 @@ use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
 use glam::DVec3;
 use std::ops::Range;
 
-/// A facet is long where its shortest side is less than this share of its longest.
-const SLENDER: f64 = 0.5;
+/// A facet is long where its shortest side is less than this share of its longest, and slender with less than that.
+const LONG: f64 = 0.5;
+const SLENDER: f64 = 0.25;
 /// Facets of one surface are alike: a strip ends before a facet so many times as wide as the one before it, or the reverse.
 const ALIKE: f64 = 3.0;
 /// Facets looked at on either side, as triangles.
@@ -25,6 +26,8 @@ const PAIRED: [usize; 2] = [12, 6];
 const ALTERNATING: [usize; 2] = [12, 9];
 /// A strip must promise an error this much less than the window around the face does.
 const BETTER: f64 = 0.1;
+/// A window around the face that promises an error below this share of the curvature is good enough.
+const GOOD: f64 = 1e-5;
 /// Curvature along a strip, in shares of that across, from which it is more than a strip.
 const BENT: f64 = 0.1;
 
@@ -50,24 +53,25 @@ pub(super) struct StripWindow {
     pub(super) rulings: Vec<(DVec3, DVec3)>,
 }
 
-/// The two long edges of a sound long facet.
-fn long_edges(mesh: &Mesh, face: Face) -> Option<[HalfEdge; 2]> {
+/// The two long edges of a sound facet whose shortest side is less than a share of its longest.
+fn long_edges(mesh: &Mesh, face: Face, share: f64) -> Option<[HalfEdge; 2]> {
     if mesh.face_state(face) != FaceState::Sound {
         return None;
     }
     let topology = mesh.topology();
     let length = |h: HalfEdge| mesh.position(topology.origin(h)).distance_squared(mesh.position(topology.target(h)));
-    let sides = face.half_edges().map(|h| (length(h), h));
-    let [a, b, c] = sides;
-    let (shortest, others) = if a.0 <= b.0 && a.0 <= c.0 {
-        (a.0, [b, c])
-    } else if b.0 <= c.0 {
-        (b.0, [c, a])
-    } else {
-        (c.0, [a, b])
-    };
-    let longest = others[0].0.max(others[1].0);
-    (shortest < SLENDER * SLENDER * longest).then_some(others.map(|o| o.1))
+    let mut sides = face.half_edges().map(|h| (length(h), h));
+    sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (sides[0].0 < share * share * sides[2].0).then_some([sides[1].1, sides[2].1])
+}
+
+pub(super) fn is_long(mesh: &Mesh, face: Face) -> bool {
+    long_edges(mesh, face, LONG).is_some()
+}
+
+/// True for a facet so long that the rings around it consist of two parts that lie far apart.
+pub(super) fn is_slender(mesh: &Mesh, face: Face) -> bool {
+    long_edges(mesh, face, SLENDER).is_some()
 }
 
 /// Nearly the curvature along a strip, from how the surface folds at the short side of a facet.
@@ -76,22 +80,22 @@ fn curvature_along(mesh: &Mesh, face: Face, exits: [HalfEdge; 2]) -> f64 {
     let Some(twin) = mesh.topology().twin(short).filter(|_| mesh.edge_kind(short) == EdgeKind::Inner) else {
         return 0.0;
     };
-    let heights = [mesh.height(short), mesh.height(twin)];
-    if heights[1] < heights[0] / ALIKE {
-        // Another surface begins there, and turns.
-        return 0.0;
+    let (own, other) = (mesh.height(short), mesh.height(twin));
+    let turn = mesh.normal(face).cross(mesh.normal(twin.face())).length();
+    // Where facets are not alike another surface begins, and the one of smaller facets turns.
+    if other < own / ALIKE {
+        0.0
+    } else if other > own * ALIKE {
+        2.0 * turn / own
+    } else {
+        2.0 * turn / (own + other)
     }
-    2.0 * mesh.normal(face).cross(mesh.normal(twin.face())).length() / (heights[0] + heights[1])
-}
-
-pub(super) fn is_long(mesh: &Mesh, face: Face) -> bool {
-    long_edges(mesh, face).is_some()
 }
 
 impl Strip {
     /// The strip around a long facet.
     pub(super) fn around(mesh: &Mesh, seed: Face) -> Option<Self> {
-        let exits = long_edges(mesh, seed)?;
+        let exits = long_edges(mesh, seed, LONG)?;
         let mut strip = Strip { faces: vec![seed], between: Vec::new(), bounds: Vec::new(), middle: 0 };
         strip.walk(mesh, exits[0]);
         strip.faces.reverse();
@@ -117,7 +121,7 @@ impl Strip {
                 return;
             }
             // Round a closed strip, facets come again.
-            let Some(exits) = long_edges(mesh, face).filter(|e| e.contains(&twin) && !self.faces.contains(&face))
+            let Some(exits) = long_edges(mesh, face, LONG).filter(|e| e.contains(&twin) && !self.faces.contains(&face))
             else {
                 return;
             };
@@ -175,11 +179,15 @@ impl Strip {
 }
 
 /// What the strip around a face says about it, where that promises a far smaller error than the window around the face.
-pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, is_uneven: bool) -> Option<Reading> {
+pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, quality: &Quality) -> Option<Reading> {
     let mesh = surveyor.mesh();
     let strip = Strip::around(mesh, face)?;
-    let own = surveyor.fits(&[face])[0].as_ref().map_or(f64::INFINITY, |fit| fit.error);
-    let along = curvature_along(mesh, face, long_edges(mesh, face)?);
+    let seed = Some(quality.seed).filter(|_| quality.misfit.is_finite());
+    let fit = seed.and_then(|seed| surveyor.fit(seed));
+    // A plane that does not explain its window says nothing of its error.
+    let own = fit.filter(|f| f.surface.f.size > 3 || !quality.is_uneven).map_or(f64::INFINITY, |fit| fit.error);
+    let is_uneven = quality.is_uneven || own.is_infinite();
+    let along = curvature_along(mesh, face, long_edges(mesh, face, LONG)?);
     let middle = strip.bounds[strip.middle]..strip.bounds[strip.middle + 1];
     let sizes = if strip.is_paired(&middle) { PAIRED } else { ALTERNATING };
     sizes.iter().find_map(|&triangles| {
@@ -191,9 +199,11 @@ pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, is_uneven: bool) 
                 let is_even = !reading.quality.is_uneven;
                 // In powers of ten: among equals the one about the face.
                 let power = if is_even { i32::MIN } else { reading.error.log10().floor() as i32 };
-                let across = reading.principal.k_max.abs().max(reading.principal.k_min.abs());
+                let across = reading.principal.size();
                 let is_straight = across == 0.0 || along <= BENT * across;
+                let is_wanted = own > GOOD * across;
                 if is_straight
+                    && is_wanted
                     && (is_even && is_uneven || reading.error < BETTER * own)
                     && best.as_ref().is_none_or(|b| power < b.0)
                 {

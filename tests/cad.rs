@@ -1,0 +1,146 @@
+//! Parts as CAD programs mesh them: long facets from rim to rim between fine corners, large flats without inner vertices.
+
+mod common;
+
+use common::{mesh_of, values_of};
+use glam::{DQuat, DVec3, EulerRot};
+use osculate::synth::{Grid, Surface};
+use osculate::{CurvatureOptions, Face, FaceCurvature, FaceState, Mesh, Method, NoProgress, Positions, Soup};
+use std::path::Path;
+
+/// The surfaces of `fixtures/fillet_part.stl`: a block of 40 x 30 x 20 with a hole of radius 5, upright edges rounded with
+/// radius 6, the others with 4, where they meet parts of tori.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    Flat,
+    Hole,
+    Upright,
+    Edge,
+    Corner,
+}
+
+impl Part {
+    /// By the corners of a face.
+    fn of(triangle: [DVec3; 3]) -> Self {
+        const NEAR: f64 = 1e-3;
+        let all = |is: &dyn Fn(DVec3) -> bool| triangle.iter().all(|p| is(p.abs()));
+        let (x, y, z) = (14.0, 9.0, 6.0);
+        let is_near = |a: f64, b: f64| (a - b).abs() < NEAR;
+        if all(&|p| is_near(p.x.hypot(p.y), 5.0)) {
+            Part::Hole
+        } else if all(&|p| is_near(p.x, 20.0)) || all(&|p| is_near(p.y, 15.0)) || all(&|p| is_near(p.z, 10.0)) {
+            Part::Flat
+        } else if all(&|p| is_near((p.x - x).hypot(p.y - y), 6.0) && p.z <= z + NEAR) {
+            Part::Upright
+        } else if all(&|p| is_near((p.y - 11.0).hypot(p.z - z), 4.0) && p.x <= x + NEAR)
+            || all(&|p| is_near((p.x - 16.0).hypot(p.z - z), 4.0) && p.y <= y + NEAR)
+        {
+            Part::Edge
+        } else {
+            Part::Corner
+        }
+    }
+
+    /// k_max and k_min, where all of a part has the same.
+    fn exact(self) -> Option<[f64; 2]> {
+        match self {
+            Part::Flat => Some([0.0, 0.0]),
+            Part::Hole => Some([0.0, -0.2]),
+            Part::Upright => Some([1.0 / 6.0, 0.0]),
+            Part::Edge => Some([0.25, 0.0]),
+            Part::Corner => None,
+        }
+    }
+}
+
+fn fillet_part() -> Soup {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/fillet_part.stl");
+    osculate::read(&path, &NoProgress).expect("a fixture").0
+}
+
+/// Checks all values of the part; `triangle` gives the corners of a face in the part's own axes.
+fn check(mesh: &Mesh, values: &[FaceCurvature], triangle: impl Fn(Face) -> [DVec3; 3]) {
+    let (mut corners, mut wrong) = (0, 0);
+    for (f, v) in (0..).map(Face).zip(values).filter(|(f, _)| mesh.face_state(*f) == FaceState::Sound) {
+        let part = Part::of(triangle(f));
+        if let Some([k_max, k_min]) = part.exact() {
+            let error = (f64::from(v.k_max) - k_max).abs().max((f64::from(v.k_min) - k_min).abs());
+            assert!(error < 0.01 * 0.25, "{part:?} {f:?} {v:?}");
+        } else {
+            corners += 1;
+            wrong += usize::from((f64::from(v.k_max) - 0.25).abs() > 0.025);
+        }
+    }
+    // The corners' other curvature varies, and patches of two vertices by three do not determine it.
+    assert!(corners > 2500 && wrong * 50 < corners, "{wrong} of {corners} corner faces");
+}
+
+#[test]
+fn fillets_flats_and_holes_of_a_part_come_out_to_a_hundredth() {
+    let mesh = mesh_of(&fillet_part());
+    let values = osculate::estimate(&mesh, &CurvatureOptions::default(), &NoProgress).expect("valid options");
+    check(&mesh, &values, |f| mesh.triangle(f).map(|p| p + mesh.origin()));
+    let count = |method: Method| values.iter().filter(|v| v.method == method).count();
+    assert!(count(Method::Strip) > 200 && count(Method::Flat) > 100, "the fixture no longer asks for them");
+}
+
+#[test]
+fn it_does_not_matter_how_the_part_lies() {
+    let soup = fillet_part();
+    let original = mesh_of(&soup);
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.4, 1.1, -0.3);
+    let points: Vec<DVec3> = (0..soup.positions.len()).map(|v| turn * soup.positions.get(v)).collect();
+    // As an STL file has them, and as an OBJ file with six digits behind the point.
+    let single = points.iter().map(|p| p.as_vec3().to_array()).collect();
+    let decimal = points.iter().map(|p| ((p * 1e6).round() / 1e6).to_array()).collect();
+    for positions in [Positions::F32(single), Positions::F64(decimal)] {
+        let values = values_of(&Soup::new(positions, soup.triangles.clone()), &CurvatureOptions::default());
+        check(&original, &values, |f| original.triangle(f).map(|p| p + original.origin()));
+    }
+}
+
+/// A cylinder of one row of long facets whose ends are closed by fine half-spheres.
+#[test]
+fn a_capsule_is_a_cylinder_between_two_spheres() {
+    let (around, rows, half) = (24, 12, 10.0);
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    for row in 0..=2 * rows + 1 {
+        // From pole to pole, the equator twice: once at either end of the cylinder.
+        let (step, end) = if row <= rows { (row, half) } else { (row - 1, -half) };
+        let polar = std::f64::consts::PI * f64::from(step) / f64::from(2 * rows);
+        for i in 0..around {
+            let turn = std::f64::consts::TAU * f64::from(i) / f64::from(around);
+            points.push([polar.sin() * turn.cos(), polar.sin() * turn.sin(), polar.cos() + end]);
+        }
+    }
+    let mut faces: Vec<[u32; 3]> = Vec::new();
+    let mut is_side = Vec::new();
+    for row in 0..=2 * rows {
+        for i in 0..around {
+            let [a, b] = [i, (i + 1) % around].map(|i| (row * around + i) as u32);
+            let [c, d] = [a, b].map(|v| v + around as u32);
+            for face in [[a, c, d], [a, d, b]] {
+                let [p, q, r] = face.map(|v| DVec3::from(points[v as usize]));
+                if (q - p).cross(r - p).length() > 1e-12 {
+                    faces.push(face);
+                    is_side.push(row == rows);
+                }
+            }
+        }
+    }
+    let values = values_of(&Soup::new(Positions::F64(points), faces), &CurvatureOptions::default());
+    for (v, is_side) in values.iter().zip(is_side) {
+        let expected = if is_side { 0.0 } else { 1.0 };
+        assert!((v.k_max - 1.0).abs() < 1e-3 && (v.k_min - expected).abs() < 1e-3, "{is_side} {v:?}");
+    }
+}
+
+/// The facets of a torus may be long as well, but it bends along them.
+#[test]
+fn long_facets_of_a_torus_are_no_strips() {
+    let torus = Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 48, 96).build();
+    let values = values_of(&torus.soup, &CurvatureOptions::default());
+    for (v, e) in values.iter().zip(&torus.exact) {
+        assert!(v.method == Method::Fit && (f64::from(v.k_min) - e.k_min).abs() < 0.01, "{v:?} {e:?}");
+    }
+}
