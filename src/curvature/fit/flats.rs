@@ -120,7 +120,7 @@ fn is_tangent_to_neighbours(
         // Positive where the surface bends away from the normals.
         let turn = turn * -(mesh.position(topology.apex(twin)) - a).dot(normals[0]).signum();
         let half = 0.5 * bend * mesh.height(twin);
-        if (turn - half).abs() <= close * half.abs() {
+        if half != 0.0 && half.is_finite() && (turn - half).abs() <= close * half.abs() {
             tangent += length;
         }
     }

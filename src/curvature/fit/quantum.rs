@@ -56,9 +56,11 @@ impl Digits {
 
 /// The digits behind the point that a number needs, if those are more than others do.
 fn decimals(others: u32, x: f64) -> u32 {
+    /// Beyond, 64 bits hold too few digits to tell.
+    const LARGEST: f64 = 1e12;
     let needs_more = |digits: u32| {
-        let scaled = x * 10.0_f64.powi(digits as i32);
-        (scaled - scaled.round()).abs() > 4.0 * f64::EPSILON * scaled.abs()
+        let scaled = (x * 10.0_f64.powi(digits as i32)).abs();
+        scaled > LARGEST || (scaled - scaled.round()).abs() > 4.0 * f64::EPSILON * scaled
     };
     (others..=MOST_DIGITS).find(|&digits| !needs_more(digits)).unwrap_or(MOST_DIGITS + 1)
 }
@@ -81,6 +83,7 @@ mod tests {
             (1.23456, -2.5, 5e-6),
             (1.0, third, 1e-16),
             (1.0, f64::from(third as f32), 6e-8),
+            (1.0, 1_234_567.000_123, 1.234_567_000_123e-10),
             // Whole numbers are exact, for all that is known.
             (1.0, 2.0, 1.2e-7),
         ] {
