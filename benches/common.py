@@ -68,14 +68,14 @@ def machine():
     return f"{model.group(1) if model else 'unknown processor'}, {os.cpu_count()} cores"
 
 
-def write(script, heading, text):
-    """Replaces a script's part of docs/performance.md, or adds it under a heading."""
+def write(script, heading, text, path=PAGE):
+    """Replaces a script's part of docs/performance.md or another page, or adds it under a heading."""
     begin, end = f"<!-- {script} -->", f"<!-- end of {script} -->"
-    page = PAGE.read_text()
+    page = path.read_text()
     if begin not in page:
         page = f"{page.rstrip()}\n\n## {heading}\n\n{begin}\n{end}\n"
     part = f"{begin}\n{text.strip()}\n{end}"
-    PAGE.write_text(re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: part, page, flags=re.S))
+    path.write_text(re.sub(f"{re.escape(begin)}.*?{re.escape(end)}", lambda _: part, page, flags=re.S))
     print(text)
 
 

@@ -190,30 +190,30 @@ pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, quality: &Quality
     let along = curvature_along(mesh, face, long_edges(mesh, face, LONG)?);
     let middle = strip.bounds[strip.middle]..strip.bounds[strip.middle + 1];
     let sizes = if strip.is_paired(&middle) { PAIRED } else { ALTERNATING };
+    let score = |run: &Range<usize>, reading: Reading| {
+        let across = reading.principal.size();
+        let is_even = !reading.quality.is_uneven;
+        let is_better = is_even && is_uneven || reading.error < BETTER * own;
+        let is_straight = across == 0.0 || along <= BENT * across;
+        // In powers of ten: among equals the one about the face.
+        let power = if is_even { f64::NEG_INFINITY } else { reading.error.log10().floor() };
+        let aside = (run.start + run.end).abs_diff(middle.start + middle.end);
+        (own > GOOD * across && is_straight && is_better).then_some(([power, aside as f64, reading.error], reading))
+    };
     sizes.iter().find_map(|&triangles| {
-        let runs = strip.runs(triangles);
-        let mut best: Option<(i32, Reading)> = None;
-        for runs in runs.chunks(LANES) {
+        let mut best: Option<([f64; 3], Reading)> = None;
+        for runs in strip.runs(triangles).chunks(LANES) {
             let windows = runs.iter().map(|run| strip.window(mesh, run.clone())).collect();
-            for reading in surveyor.read_strips(face, windows).into_iter().flatten() {
-                let is_even = !reading.quality.is_uneven;
-                // In powers of ten: among equals the one about the face.
-                let power = if is_even { i32::MIN } else { reading.error.log10().floor() as i32 };
-                let across = reading.principal.size();
-                let is_straight = across == 0.0 || along <= BENT * across;
-                let is_wanted = own > GOOD * across;
-                if is_straight
-                    && is_wanted
-                    && (is_even && is_uneven || reading.error < BETTER * own)
-                    && best.as_ref().is_none_or(|b| power < b.0)
-                {
-                    best = Some((power, reading));
+            let readings = surveyor.read_strips(face, windows);
+            for found in runs.iter().zip(readings).filter_map(|(run, reading)| score(run, reading?)) {
+                if best.as_ref().is_none_or(|best| found.0 < best.0) {
+                    best = Some(found);
                 }
             }
-            if best.as_ref().is_some_and(|b| b.0 == i32::MIN) {
+            if best.as_ref().is_some_and(|best| best.0[0].is_infinite()) {
                 break;
             }
         }
-        best.map(|b| b.1)
+        best.map(|best| best.1)
     })
 }
