@@ -301,7 +301,7 @@ pub fn annotate(
     let mut notes = soup.notes.clone();
     let read = start.elapsed();
 
-    let mesh = Mesh::from_owned_soup(soup, &options.mesh).map_err(|e| e.in_file(input))?;
+    let mut mesh = Mesh::from_owned_soup(soup, &options.mesh).map_err(|e| e.in_file(input))?;
     let weld = start.elapsed();
 
     let mut provenance = options.provenance();
@@ -312,7 +312,9 @@ pub fn annotate(
         }
         stored => {
             notes.extend(stored.map(|_| Note::info("the input carries values of an earlier run; --reuse takes those")));
-            curvature::estimate(&mesh, &options.curvature, progress)?
+            let values;
+            (mesh, values) = curvature::estimate_owned(mesh, &options.curvature, progress)?;
+            values
         }
     };
     let selected = options.select.as_ref().map(|select| chosen(select, &values, input)).transpose()?;

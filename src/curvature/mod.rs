@@ -48,27 +48,42 @@ const CHUNK: usize = 4096;
 /// # Errors
 /// [`Error::Usage`] for options out of range.
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
-    options.check_for(mesh)?;
+    let (_, mut values) = estimate_owned(mesh.surface(), options, progress)?;
+    copy_to_duplicates(mesh, &mut values);
+    Ok(values)
+}
+
+/// The same for a mesh that may be put in another order meanwhile, which saves a copy of it.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub(crate) fn estimate_owned(
+    mesh: Mesh,
+    options: &CurvatureOptions,
+    progress: &dyn Progress,
+) -> Result<(Mesh, Vec<FaceCurvature>), Error> {
+    options.check_for(&mesh)?;
     let count = mesh.face_count();
-    let fixed = options.fixed_radius(mesh);
+    let fixed = options.fixed_radius(&mesh);
     progress.begin(Stage::Estimate, count as u64);
-    let (ordered, numbers) = mesh.in_order();
+    let (ordered, order) = mesh.into_order();
     let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; count];
     estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
-    drop(ordered);
-    let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
-    for (face, value) in numbers.iter().zip(&in_order) {
-        values[face.index()] = *value;
-    }
+    let mut values = order.sorted(&in_order);
     drop(in_order);
+    let mesh = ordered.back_to(order);
     values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
-    for f in (0..count as u32).map(Face) {
+    copy_to_duplicates(&mesh, &mut values);
+    progress.end();
+    Ok((mesh, values))
+}
+
+fn copy_to_duplicates(mesh: &Mesh, values: &mut [FaceCurvature]) {
+    for f in (0..values.len() as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];
         }
     }
-    progress.end();
-    Ok(values)
 }
 
 /// Estimates all faces of a mesh but its duplicates.

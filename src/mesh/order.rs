@@ -1,8 +1,8 @@
 //! An order of faces and vertices in which what lies close together in space lies close together in memory.
 
 use super::ids::Face;
-use super::topology::Topology;
-use super::{EdgeKind, Mesh};
+use super::Mesh;
+use crate::soup::{Group, Scene};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -10,18 +10,59 @@ use std::cmp::Ordering;
 /// Bits of a coordinate in a place on the curve.
 const BITS: u32 = 21;
 
-impl Mesh {
-    /// The same surface with its faces along a Morton curve and its vertices by first use, and the number in this mesh
-    /// of every face of that one. Files bring faces in any order, and the caches of processors reward good
-    /// ones. Neither bodies nor scenes nor duplicates are kept.
-    pub(crate) fn in_order(&self) -> (Mesh, Vec<Face>) {
-        let faces = self.along_curve();
-        let mut place = vec![0_u32; faces.len()];
-        for (new, old) in faces.iter().enumerate() {
-            place[old.index()] = new as u32;
-        }
-        let moved = |h: u32| 3 * place[h as usize / 3] + h % 3;
+/// What it takes to bring a mesh back from the order along the curve.
+pub(crate) struct FileOrder {
+    /// Where on the curve each face of the file is.
+    places: Vec<Face>,
+    duplicates: Vec<(Face, Face)>,
+    bodies: Vec<Group>,
+    scene: Option<Scene>,
+}
 
+impl FileOrder {
+    /// Values of the faces along the curve as those of the file.
+    pub(crate) fn sorted<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
+        self.places.par_iter().map(|place| values[place.index()]).collect()
+    }
+}
+
+impl Mesh {
+    /// The same surface with its faces along a Morton curve and its vertices by first use. Files bring faces in any order,
+    /// and the caches of processors reward good ones. Bodies, scene and duplicates are put aside.
+    pub(crate) fn into_order(mut self) -> (Mesh, FileOrder) {
+        let faces = self.along_curve();
+        let duplicates = std::mem::take(&mut self.duplicates);
+        let (bodies, scene) = (std::mem::take(&mut self.bodies), self.scene.take());
+        let places = inverse(&faces);
+        (self.renumbered(&faces, &places), FileOrder { places, duplicates, bodies, scene })
+    }
+
+    /// The mesh as it was before it was put in order.
+    pub(crate) fn back_to(self, order: FileOrder) -> Mesh {
+        let FileOrder { places, duplicates, bodies, scene } = order;
+        // In the file, too, vertices are numbered by first use.
+        Mesh { duplicates, bodies, scene, ..self.renumbered(&places, &inverse(&places)) }
+    }
+
+    /// A copy of the surface alone, without bodies, scene and duplicates.
+    pub(crate) fn surface(&self) -> Mesh {
+        Mesh {
+            origin: self.origin,
+            positions: self.positions.clone(),
+            topology: self.topology.clone(),
+            kinds: self.kinds.clone(),
+            states: self.states.clone(),
+            flipped: self.flipped.clone(),
+            duplicates: Vec::new(),
+            bodies: Vec::new(),
+            scene: None,
+            report: self.report.clone(),
+        }
+    }
+
+    /// The same surface with other numbers: `faces` has the present number of every new face, `places` the new number
+    /// of every present one. One list after the other, so that no more than one is there twice.
+    fn renumbered(mut self, faces: &[Face], places: &[Face]) -> Mesh {
         const UNSEEN: u32 = u32::MAX;
         let mut number = vec![UNSEEN; self.positions.len()];
         let mut positions = Vec::with_capacity(self.positions.len());
@@ -38,22 +79,13 @@ impl Mesh {
                 })
             })
             .collect();
-        let kinds: Vec<EdgeKind> =
-            faces.par_iter().flat_map_iter(|old| old.half_edges().map(|h| self.kinds[h.index()])).collect();
-        let topology = Topology::reordered(&self.topology, corners, &faces, moved);
-        let mesh = Mesh {
-            origin: self.origin,
-            positions,
-            topology,
-            kinds,
-            states: faces.par_iter().map(|old| self.states[old.index()]).collect(),
-            flipped: faces.par_iter().map(|old| self.flipped[old.index()]).collect(),
-            duplicates: Vec::new(),
-            bodies: Vec::new(),
-            scene: None,
-            report: self.report.clone(),
-        };
-        (mesh, faces)
+        self.positions = positions;
+        drop(number);
+        self.topology = self.topology.renumbered(corners, faces, |h| 3 * places[h as usize / 3].0 + h % 3);
+        self.kinds = faces.par_iter().flat_map_iter(|old| old.half_edges().map(|h| self.kinds[h.index()])).collect();
+        self.states = faces.par_iter().map(|old| self.states[old.index()]).collect();
+        self.flipped = faces.par_iter().map(|old| self.flipped[old.index()]).collect();
+        self
     }
 
     /// The faces by where their barycentres lie on a Morton curve through the mesh.
@@ -121,6 +153,15 @@ impl Mesh {
     }
 }
 
+/// Where in a list of all faces each of them is.
+fn inverse(faces: &[Face]) -> Vec<Face> {
+    let mut places = vec![Face(0); faces.len()];
+    for (place, face) in faces.iter().enumerate() {
+        places[face.index()] = Face(place as u32);
+    }
+    places
+}
+
 /// The lower 21 bits of a number, two zeros behind each.
 fn spread(x: u64) -> u64 {
     let x = x.min((1 << BITS) - 1);
@@ -148,8 +189,9 @@ mod tests {
     fn the_surface_stays_the_same() {
         let soup = Grid::new(Surface::Saddle, 9, 7).build().soup;
         let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a sound mesh");
-        let (ordered, faces) = mesh.in_order();
+        let (ordered, order) = mesh.surface().into_order();
         let mut seen = vec![false; mesh.face_count()];
+        let faces = inverse(&order.places);
         for (new, &old) in faces.iter().enumerate() {
             let new = Face(new as u32);
             assert!(!std::mem::replace(&mut seen[old.index()], true));
@@ -161,5 +203,13 @@ mod tests {
             }
         }
         assert_eq!(ordered.positions().len(), mesh.positions().len());
+
+        assert!(order.sorted(&faces).iter().enumerate().all(|(f, number)| f == number.index()));
+        let back = ordered.back_to(order);
+        assert_eq!(back.positions(), mesh.positions());
+        assert_eq!(back.topology().faces(), mesh.topology().faces());
+        for h in (0..mesh.face_count() as u32).map(Face).flat_map(Face::half_edges) {
+            assert_eq!((back.topology().across(h), back.edge_kind(h)), (mesh.topology().across(h), mesh.edge_kind(h)));
+        }
     }
 }

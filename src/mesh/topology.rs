@@ -55,16 +55,18 @@ impl Topology {
 
     /// The same neighbours for faces in another order: `faces` has the old number of every new face, `corners` their
     /// new vertices, `moved` takes an old half-edge to its new number.
-    pub(super) fn reordered(
-        old: &Topology,
+    pub(super) fn renumbered(
+        self,
         corners: Vec<[u32; 3]>,
         faces: &[Face],
         moved: impl Fn(u32) -> u32 + Sync,
     ) -> Self {
+        let old = self.across;
+        drop(self.faces);
         let across = faces
             .par_iter()
             .flat_map_iter(|f| f.half_edges())
-            .map(|h| match old.across[h.index()] {
+            .map(|h| match old[h.index()] {
                 kind @ (BOUNDARY | NON_MANIFOLD) => kind,
                 twin => moved(twin),
             })

@@ -49,7 +49,7 @@ impl Subject {
         let stored = if options.reuse { io::stored_values(&soup)? } else { None };
         let read = start.elapsed().as_secs_f64();
 
-        let mesh = Mesh::from_soup(&soup, &options.mesh).map_err(|e| e.in_file(input))?;
+        let mut mesh = Mesh::from_soup(&soup, &options.mesh).map_err(|e| e.in_file(input))?;
         let inspection = Inspection::of(input, &soup, format, &mesh, &options.mesh);
         let weld = start.elapsed().as_secs_f64();
 
@@ -74,7 +74,9 @@ impl Subject {
                 let mut curvature = options.curvature;
                 curvature.perimeter |=
                     curvature.estimator == Estimator::Auto && options.color_by == Quantity::GaussPerimeter;
-                curvature::estimate(&mesh, &curvature, progress)?
+                let values;
+                (mesh, values) = curvature::estimate_owned(mesh, &curvature, progress)?;
+                values
             }
         };
         notes.extend(note_of_weak_values(&values));
