@@ -135,6 +135,8 @@ def main():
                                               ["--estimator", "osculating", "--radius-factor", "3"])]:
             runs = []
             for _ in range(options.runs):
+                # A new file each time, as all others write: file systems take time to replace one safely.
+                (folder / "out.glb").unlink(missing_ok=True)
                 command = [osculate, "annotate", source, "-o", folder / "out.glb", "-j2", "-q", *extra, "--stats", folder / "stats.json"]
                 runs.append(common.run(command))
                 runs[-1]["kernel"] = json.loads((folder / "stats.json").read_text())["seconds"]["estimate"]
