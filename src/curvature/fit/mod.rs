@@ -59,6 +59,9 @@ use window::Window;
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
 const CHUNK: usize = 1024;
+/// Share of doubtful faces from which a surface is noisy all over: rows of facets and flats tell nothing then. CAD parts have
+/// up to eight tenths.
+const NOISY: f64 = 0.9;
 /// What values of single faces need; one per thread.
 struct Worker<'g> {
     ground: &'g Ground<'g>,
@@ -154,6 +157,10 @@ fn look_aside<'g>(
             }
         }
     });
+    let doubtful = quality.iter().filter(|q| q.is_doubtful).count();
+    if doubtful as f64 > NOISY * quality.len() as f64 {
+        return;
+    }
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
     both.enumerate().for_each_init(&worker, |worker, (chunk, (out, quality))| {
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
