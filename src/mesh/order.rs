@@ -1,7 +1,7 @@
 //! An order of faces and vertices in which what lies close together in space lies close together in memory.
 
-use super::ids::Face;
 use super::Mesh;
+use super::ids::Face;
 use crate::soup::{Group, Scene};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;

@@ -55,12 +55,7 @@ impl Topology {
 
     /// The same neighbours for faces in another order: `faces` has the old number of every new face, `corners` their
     /// new vertices, `moved` takes an old half-edge to its new number.
-    pub(super) fn renumbered(
-        self,
-        corners: Vec<[u32; 3]>,
-        faces: &[Face],
-        moved: impl Fn(u32) -> u32 + Sync,
-    ) -> Self {
+    pub(super) fn renumbered(self, corners: Vec<[u32; 3]>, faces: &[Face], moved: impl Fn(u32) -> u32 + Sync) -> Self {
         let old = self.across;
         drop(self.faces);
         let across = faces
