@@ -148,7 +148,7 @@ impl AnnotateOptions {
     }
 
     /// The default estimator has the perimeter estimate only where it is asked for: it costs a walk.
-    fn with_perimeter_if_wanted(&self) -> AnnotateOptions {
+    pub(crate) fn with_perimeter_if_wanted(&self) -> AnnotateOptions {
         let mut options = self.clone();
         if options.curvature.estimator == Estimator::Auto {
             let quantity = Quantity::GaussPerimeter;
@@ -207,6 +207,12 @@ impl AnnotateOptions {
     fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
         let space = Space::to_gltf(input, self.up, self.unit)?;
         Ok(if output.is_gltf() { space } else { Space::default() })
+    }
+
+    /// The settings that decide the values, as they stand in files and statistics.
+    pub fn settings_of_estimation(&self) -> Value {
+        let mut all = self.provenance();
+        OF_ESTIMATION.into_iter().map(|name| (name, all[name].take())).collect()
     }
 
     /// All that is needed to repeat a run, as it stands in files and statistics.

@@ -23,8 +23,14 @@
 //! [`report`](report()). What every quantity means, with formula, unit, sign and range: `docs/quantities.md`. Why
 //! things are as they are: `docs/decisions.md`.
 
+// The command line sees of the library what everybody sees, by the name that everybody uses.
+#[cfg(feature = "cli")]
+extern crate self as osculate;
+
 mod annotate;
 mod annotation;
+#[cfg(feature = "cli")]
+pub mod cli;
 mod color;
 mod condition;
 mod curvature;
@@ -79,7 +85,7 @@ pub use io::{
 pub use lines::{Layer, Polyline};
 pub use mesh::{
     Across, Bounds, EdgeCounts, EdgeKind, Face, FaceState, FirstDefects, HalfEdge, Mesh, MeshOptions, MeshReport,
-    Topology, Vertex,
+    PositionsRef, SameVertex, Topology, Vertex,
 };
 pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};

@@ -47,6 +47,14 @@ pub struct Plane {
 }
 
 impl Plane {
+    /// The plane a x + b y + c z + d = 0 in the input's coordinates; a, b and c must not all be 0.
+    pub fn of_equation(mesh: &Mesh, [a, b, c, d]: [f64; 4]) -> Plane {
+        let normal = DVec3::new(a, b, c);
+        // The point of the plane nearest to the mesh's origin: the plane's own numbers may be far from it.
+        let height = (normal.dot(mesh.origin()) + d) / normal.length_squared();
+        Plane { point: -height * normal, normal: normal.normalize() }
+    }
+
     /// Signed distance of a point, positive above the plane.
     #[inline]
     pub fn distance(&self, p: DVec3) -> f64 {

@@ -10,14 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, Error> {
     let options = args.options()?;
-    let to_stdout = args.output == Path::new("-");
-    let format = match args.format {
-        Some(format) => format.into(),
-        None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into())),
-        None => OutputFormat::of(&args.output)?,
-    };
-    let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-    let target = Target { destination, format, stats: args.stats.clone(), no_clobber: args.no_clobber };
+    let target = Target::of(args)?;
     let bars = Bars::new(messages.wants_progress());
     let summary = target.annotate(&args.input.path, &options, &bars)?;
 
@@ -45,6 +38,18 @@ pub(super) struct Target {
 }
 
 impl Target {
+    /// Where the command line says that they go.
+    pub(super) fn of(args: &AnnotateArgs) -> Result<Self, Error> {
+        let to_stdout = args.output == Path::new("-");
+        let format = match args.format {
+            Some(format) => format.into(),
+            None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into())),
+            None => OutputFormat::of(&args.output)?,
+        };
+        let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
+        Ok(Target { destination, format, stats: args.stats.clone(), no_clobber: args.no_clobber })
+    }
+
     /// Annotates a file and writes its statistics.
     pub(super) fn annotate(
         &self,

@@ -12,7 +12,7 @@ pub(super) fn run(args: &InspectArgs, messages: &Messages) -> Result<Outcome, Er
     let bars = Bars::new(messages.wants_progress());
     let input = &args.input;
     let inspection =
-        osculate::inspect_with(&input.path, &input.reading.options()?, &args.mesh.options(), args.view, &bars)?;
+        osculate::inspect_with(&input.path, &input.reading.options()?, &args.mesh.options(), args.view.view, &bars)?;
     let text = match args.format {
         ReportFormat::Json => serde_json::to_string_pretty(&inspection).unwrap_or_default() + "\n",
         ReportFormat::Text => describe(&inspection),

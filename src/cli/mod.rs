@@ -1,4 +1,5 @@
-//! The command line: parse, run, report, exit code.
+//! The command line: parse, run, report, exit code. And its options by name, for bindings ([`settings`]), so that
+//! names, defaults, checks and messages have one source.
 
 mod annotate;
 mod args;
@@ -12,6 +13,7 @@ mod place;
 mod progress;
 mod report;
 mod section;
+pub mod settings;
 mod synth;
 mod trace;
 
@@ -19,9 +21,9 @@ use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 use messages::Messages;
 use osculate::Error;
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::Path;
-use std::process::ExitCode;
 
 /// How a run ended; the numbers are part of the command line's contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,9 +47,17 @@ impl Outcome {
     }
 }
 
-/// Runs the program.
-pub(crate) fn run() -> ExitCode {
-    let cli = Cli::parse();
+/// Runs the program with these arguments, of which the first is its own name, and gives its exit code. Reads
+/// and writes the standard streams and takes over the process's handling of interrupts.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // With its stream gone there is no one left to tell.
+            let _ = error.print();
+            return if error.use_stderr() { Outcome::Usage as u8 } else { Outcome::Done as u8 };
+        }
+    };
     let common = cli.command.common();
     let messages = Messages::new(common);
     let is_batch = matches!(cli.command, Command::Batch(_));
@@ -59,7 +69,7 @@ pub(crate) fn run() -> ExitCode {
         }
         std::process::exit(INTERRUPTED);
     });
-    let result = on_threads(common.and_then(|c| c.threads), || match &cli.command {
+    let result = on_threads(common.and_then(|c| c.threads.threads), || match &cli.command {
         Command::Annotate(args) => annotate::run(args, &messages),
         Command::Batch(args) => batch::run(args, &messages),
         Command::Inspect(args) => inspect::run(args, &messages),
@@ -88,7 +98,7 @@ pub(crate) fn run() -> ExitCode {
             if error.is_usage() { Outcome::Usage } else { Outcome::Failed }
         }
     };
-    ExitCode::from(outcome as u8)
+    outcome as u8
 }
 
 /// Runs the work on so many threads, or on one per core.

@@ -1,6 +1,6 @@
 //! Reading a mesh and finding a place on it: what `disk`, `trace` and `section` begin with.
 
-use super::args::{InputArgs, MeshArgs, PlaceArgs};
+use super::args::{InputArgs, MeshArgs, PathArgs, PlaceArgs};
 use super::messages::Messages;
 use super::progress::Bars;
 use osculate::{Error, InputFormat, Mesh, Place};
@@ -43,6 +43,16 @@ impl PlaceArgs {
             }
             (None, Some(point)) => Place::nearest(mesh, point),
             (None, None) => Err(Error::Usage("say where: --face N, perhaps with --at U,V, or --point X,Y,Z".into())),
+        }
+    }
+}
+
+impl PathArgs {
+    /// The places that traces begin at.
+    pub(super) fn seeds_on(&self, mesh: &Mesh, place: &PlaceArgs) -> Result<Vec<Place>, Error> {
+        match self.seeds {
+            Some(count) => Ok(osculate::spread_seeds(mesh, count)),
+            None => Ok(vec![place.find(mesh)?]),
         }
     }
 }

@@ -4,7 +4,6 @@ use super::Outcome;
 use super::args::SectionArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
-use glam::DVec3;
 use osculate::{Error, Layer, LineScene, Output, Plane, Polyline, Space};
 use serde_json::json;
 
@@ -12,11 +11,8 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
     let extension = extension(&args.output, &["glb", "svg"])?;
     let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
-    let [a, b, c, d] = args.plane;
-    let normal = DVec3::new(a, b, c);
-    // The point of the plane nearest to the mesh's origin: the plane's own numbers may be far from it.
-    let height = (normal.dot(mesh.origin()) + d) / normal.length_squared();
-    let plane = Plane { point: -height * normal, normal: normal.normalize() };
+    let [a, b, c, d] = args.plane.plane;
+    let plane = Plane::of_equation(mesh, args.plane.plane);
     let lines = osculate::cut(mesh, &plane);
     if lines.is_empty() {
         return Err(Error::Usage(format!(
@@ -32,7 +28,7 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
         osculate::write_svg(&lines, &plane, &mut out)?;
     } else {
         let extras = json!({ "osculate": {
-            "plane": args.plane, "lengths": lengths, "closed": lines.iter().map(|l| l.closed).collect::<Vec<_>>(),
+            "plane": args.plane.plane, "lengths": lengths, "closed": lines.iter().map(|l| l.closed).collect::<Vec<_>>(),
         } });
         let open = lines.len() - closed;
         let layers = [Layer {

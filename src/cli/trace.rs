@@ -4,7 +4,7 @@ use super::Outcome;
 use super::args::TraceArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
-use osculate::{Along, End, Error, Layer, LineScene, Mesh, Output, Trace, TraceOptions};
+use osculate::{Along, End, Error, Layer, LineScene, Mesh, Output, Trace};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -13,13 +13,10 @@ use std::io::Write as _;
 pub(super) fn run(args: &TraceArgs, messages: &Messages) -> Result<Outcome, Error> {
     let extension = extension(&args.output, &["glb", "csv"])?;
     let curvature = args.estimation.options();
-    let options = TraceOptions { along: args.along.into(), steps: args.steps, both_ways: args.both };
+    let options = args.path.options();
     let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
-    let seeds = match args.seeds {
-        Some(count) => osculate::spread_seeds(mesh, count),
-        None => vec![args.place.find(mesh)?],
-    };
+    let seeds = args.path.seeds_on(mesh, &args.place)?;
     let traces = osculate::trace(mesh, &seeds, &curvature, &options)?;
 
     let mut out = Output::create(&args.output)?;

@@ -1,5 +1,6 @@
 //! The indexed mesh: welded vertices, half-edge neighbours and the kind of every edge.
 
+mod arrays;
 mod edges;
 mod ids;
 mod order;
@@ -12,6 +13,7 @@ mod vertex_table;
 mod weld;
 mod weld_distance;
 
+pub use arrays::{PositionsRef, SameVertex};
 pub use edges::EdgeKind;
 pub use ids::{Face, HalfEdge, Vertex};
 pub use report::{Bounds, EdgeCounts, FaceState, FirstDefects, MeshReport};
@@ -105,11 +107,12 @@ impl Mesh {
         if soup.triangles.is_empty() {
             return Err(Error::EmptyMesh("there are no faces".into()));
         }
-        let mut welded = weld::weld_exact(soup);
-        if options.weld > 0.0 {
-            welded = weld_distance::weld_distance(welded, &soup.bodies, options.weld);
-        }
-        Ok(welded)
+        Ok(Self::weld_further(weld::weld_exact(soup), &soup.bodies, options))
+    }
+
+    /// Welds what lies within the distance asked for.
+    fn weld_further(welded: Welded, bodies: &[Group], options: &MeshOptions) -> Welded {
+        if options.weld > 0.0 { weld_distance::weld_distance(welded, bodies, options.weld) } else { welded }
     }
 
     fn from_welded(

@@ -6,7 +6,7 @@
 //! gives. Faces that share positions already (OBJ, PLY) need one look-up for each position.
 
 use super::vertex_table::{Position, TOGETHER, VertexTable};
-use crate::soup::{Positions, Soup};
+use crate::soup::{Group, Positions, Soup};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::hash::{BuildHasher, RandomState};
@@ -30,22 +30,51 @@ const BLOCK: usize = 1 << 13;
 /// hold.
 const AT_ONCE: usize = 64;
 
+/// Faces over positions, and which of them share a coordinate space.
+#[derive(Clone, Copy)]
+pub(super) struct Faces<'a> {
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) bodies: &'a [Group],
+}
+
 /// Welds corners whose coordinates are equal, body by body.
 pub(super) fn weld_exact(soup: &Soup) -> Welded {
-    let (positions, faces) = match &soup.positions {
-        Positions::F32(positions) => weld(soup, positions),
-        Positions::F64(positions) => weld(soup, positions),
-    };
+    let faces = Faces { triangles: &soup.triangles, bodies: &soup.bodies };
+    match &soup.positions {
+        Positions::F32(positions) => weld_faces(faces, positions),
+        Positions::F64(positions) => weld_faces(faces, positions),
+    }
+}
+
+/// Welds corners whose coordinates are equal, body by body.
+pub(super) fn weld_faces<P: Position>(faces: Faces<'_>, positions: &[P]) -> Welded {
+    let (positions, faces) = weld(faces, positions);
     Welded { positions, faces, merged_by_distance: 0 }
 }
 
-fn weld<P: Position>(soup: &Soup, positions: &[P]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// Takes vertices as they are numbered, equal positions or not.
+pub(super) fn keep_numbers<P: Position>(triangles: &[[u32; 3]], given: &[P]) -> Welded {
+    let mut vertex_of: Vec<u32> = vec![NONE; given.len()];
+    let mut positions = Vec::with_capacity(given.len().min(3 * triangles.len()));
+    let mut number = |corner: u32| {
+        let known = &mut vertex_of[corner as usize];
+        if *known == NONE {
+            *known = positions.len() as u32;
+            positions.push(given[corner as usize].canonical().wide());
+        }
+        *known
+    };
+    let faces = triangles.iter().map(|triangle| triangle.map(&mut number)).collect();
+    Welded { positions, faces, merged_by_distance: 0 }
+}
+
+fn weld<P: Position>(soup: Faces<'_>, positions: &[P]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     // Different in every run, so that no file can be made to collide. The numbering does not depend on it.
     let secret = RandomState::new().hash_one(0);
     // A closed mesh has half as many vertices as faces: sized by that, a soup whose corners are
     // all apart grows its table three times, which is cheaper than clearing a table for the worst.
-    let mut table = VertexTable::new(soup.face_count() / 2, secret);
-    let faces = if positions.len() > 2 * soup.face_count() {
+    let mut table = VertexTable::new(soup.triangles.len() / 2, secret);
+    let faces = if positions.len() > 2 * soup.triangles.len() {
         weld_blocks(soup, positions, &mut table, secret)
     } else {
         weld_shared(soup, positions, &mut table)
@@ -54,10 +83,10 @@ fn weld<P: Position>(soup: &Soup, positions: &[P]) -> (Vec<DVec3>, Vec<[u32; 3]>
 }
 
 /// Looks each position up once for each body that uses it.
-fn weld_shared<P: Position>(soup: &Soup, positions: &[P], table: &mut VertexTable<P>) -> Vec<[u32; 3]> {
+fn weld_shared<P: Position>(soup: Faces<'_>, positions: &[P], table: &mut VertexTable<P>) -> Vec<[u32; 3]> {
     let mut vertex_of: Vec<u32> = vec![NONE; positions.len()];
-    let mut faces = Vec::with_capacity(soup.face_count());
-    for body in &soup.bodies {
+    let mut faces = Vec::with_capacity(soup.triangles.len());
+    for body in soup.bodies {
         let first = table.begin_body();
         for triangle in &soup.triangles[range(&body.faces)] {
             faces.push(triangle.map(|corner| {
@@ -74,9 +103,14 @@ fn weld_shared<P: Position>(soup: &Soup, positions: &[P], table: &mut VertexTabl
 }
 
 /// Welds blocks of faces for themselves, then their vertices.
-fn weld_blocks<P: Position>(soup: &Soup, positions: &[P], table: &mut VertexTable<P>, secret: u64) -> Vec<[u32; 3]> {
-    let mut faces = Vec::with_capacity(soup.face_count());
-    for body in &soup.bodies {
+fn weld_blocks<P: Position>(
+    soup: Faces<'_>,
+    positions: &[P],
+    table: &mut VertexTable<P>,
+    secret: u64,
+) -> Vec<[u32; 3]> {
+    let mut faces = Vec::with_capacity(soup.triangles.len());
+    for body in soup.bodies {
         table.begin_body();
         for some in soup.triangles[range(&body.faces)].chunks(BLOCK * AT_ONCE) {
             let blocks: Vec<Block<P>> = some
@@ -185,6 +219,7 @@ pub(super) mod tests {
         assert_eq!(welded.faces, expected);
         assert_eq!(welded.positions.len(), seen.len());
         let mut table = VertexTable::new(10, 0);
-        assert_eq!(weld_shared(&soup, &points, &mut table), expected);
+        let faces = Faces { triangles: &soup.triangles, bodies: &soup.bodies };
+        assert_eq!(weld_shared(faces, &points, &mut table), expected);
     }
 }

@@ -1,15 +1,14 @@
 //! What every command takes.
 
+use super::ThreadsArgs;
 use crate::cli::choices::LogFormat;
-use crate::cli::parse::threads;
 use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(in crate::cli) struct CommonArgs {
-    /// Threads to use, 1 or more; default: one per core. The output does not depend on it
-    #[arg(short = 'j', long, value_name = "N", value_parser = threads)]
-    pub(in crate::cli) threads: Option<usize>,
+    #[command(flatten)]
+    pub(in crate::cli) threads: ThreadsArgs,
 
     /// Say more
     #[arg(short, long, conflicts_with = "quiet")]

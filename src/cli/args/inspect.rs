@@ -6,6 +6,15 @@ use crate::cli::parse::vector;
 use clap::Args;
 use glam::DVec3;
 
+/// A direction to look from.
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ViewArgs {
+    /// Also count the silhouette edges for this direction from the viewer to the mesh, in the input's
+    /// axes
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(in crate::cli) view: Option<DVec3>,
+}
+
 #[derive(Debug, Args)]
 pub(in crate::cli) struct InspectArgs {
     #[command(flatten)]
@@ -15,10 +24,8 @@ pub(in crate::cli) struct InspectArgs {
     #[arg(long, value_enum, default_value_t = ReportFormat::Text)]
     pub(in crate::cli) format: ReportFormat,
 
-    /// Also count the silhouette edges for this direction from the viewer to the mesh, in the input's
-    /// axes
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub(in crate::cli) view: Option<DVec3>,
+    #[command(flatten)]
+    pub(in crate::cli) view: ViewArgs,
 
     #[command(flatten)]
     pub(in crate::cli) mesh: MeshArgs,

@@ -1,10 +1,10 @@
 //! What is written, and how it looks.
 
-use super::SpaceArgs;
-use crate::cli::choices::{CarrierArg, ColorByArg, CompressArg, LayoutArg};
-use crate::cli::parse::{quantity, range};
+use super::{AttributesArgs, ColorsArgs, SpaceArgs};
+use crate::cli::choices::{CarrierArg, CompressArg, LayoutArg};
+use crate::cli::parse::quantity;
 use clap::Args;
-use osculate::{Colormap, Condition, Range, Selection};
+use osculate::Condition;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
@@ -12,11 +12,8 @@ pub(in crate::cli) struct LookArgs {
     #[command(flatten)]
     pub(super) space: SpaceArgs,
 
-    /// Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss,
-    /// gauss_perimeter, shape_index, curvedness, dir_max, dir_min, radius, coverage, method, confidence; or default, all,
-    /// none
-    #[arg(long, value_name = "LIST", value_parser = Selection::parse, default_value = "default")]
-    pub(super) attributes: Selection,
+    #[command(flatten)]
+    pub(super) attributes: AttributesArgs,
 
     /// Write only the faces that fulfil a condition, such as class=hyperbolic or "k_max>0.1 and mean=-1:1".
     /// Comparisons, joined by and, of a CSV column with a number in the input's unit (=, !=, <, <=, >, >=),
@@ -25,23 +22,13 @@ pub(in crate::cli) struct LookArgs {
     #[arg(long, value_name = "CONDITION", allow_hyphen_values = true)]
     pub(super) select: Option<Condition>,
 
-    /// Quantity that the colours show
-    #[arg(long, value_enum, value_name = "QUANTITY", default_value_t = ColorByArg::Mean)]
-    pub(super) color_by: ColorByArg,
+    #[command(flatten)]
+    pub(super) colors: ColorsArgs,
 
     /// Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants),
     /// separated by commas; --color-by is shown first where it is among them, otherwise the first is
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = quantity)]
     pub(super) variants: Vec<osculate::Quantity>,
-
-    /// Colours; default: blue-red for signed quantities, viridis for others, one colour per class
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(Colormap::names()))]
-    pub(super) colormap: Option<String>,
-
-    /// Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th
-    /// percentile of the magnitudes. Of several variants it is the first's
-    #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true)]
-    pub(super) range: Range,
 
     /// How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear
     /// light (by the specification), vertex colours in sRGB (for MeshLab), or not at all

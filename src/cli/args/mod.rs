@@ -2,7 +2,10 @@
 //! Defaults come from the library; ranges and units stand on each line.
 
 mod annotate;
+mod attributes;
 mod batch;
+mod calls;
+mod colors;
 mod common;
 mod disk;
 mod estimation;
@@ -10,31 +13,38 @@ mod input;
 mod inspect;
 mod look;
 mod mesh;
+mod path;
 mod place;
 mod report;
 mod section;
 mod settings;
 mod space;
 mod synth;
+mod threads;
 mod trace;
 
 use clap::{Parser, Subcommand};
 
 pub(super) use annotate::AnnotateArgs;
+pub(super) use attributes::AttributesArgs;
 pub(super) use batch::BatchArgs;
+pub(super) use calls::{ArraysCall, BuildCall, DiskCall, EstimateCall, InspectCall, ReadCall, TraceCall};
+pub(super) use colors::ColorsArgs;
 pub(super) use common::CommonArgs;
 pub(super) use disk::DiskArgs;
 pub(super) use estimation::EstimationArgs;
 pub(super) use input::{InputArgs, ReadingArgs};
-pub(super) use inspect::InspectArgs;
+pub(super) use inspect::{InspectArgs, ViewArgs};
 pub(super) use look::LookArgs;
 pub(super) use mesh::MeshArgs;
+pub(super) use path::PathArgs;
 pub(super) use place::PlaceArgs;
 pub(super) use report::ReportArgs;
-pub(super) use section::SectionArgs;
+pub(super) use section::{PlaneArgs, SectionArgs};
 pub(super) use settings::SettingsArgs;
 pub(super) use space::SpaceArgs;
 pub(super) use synth::SynthArgs;
+pub(super) use threads::ThreadsArgs;
 pub(super) use trace::TraceArgs;
 
 const AFTER_HELP: &str = "\
@@ -136,6 +146,6 @@ mod tests {
         let cli =
             Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "-", "--format", "csv", "--range", "-5:5"]);
         let Ok(Cli { command: Command::Annotate(args) }) = cli else { panic!("{cli:?}") };
-        assert_eq!(args.settings.look.range, Range::Fixed(-5.0, 5.0));
+        assert_eq!(args.settings.look.colors.range, Range::Fixed(-5.0, 5.0));
     }
 }

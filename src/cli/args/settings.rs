@@ -4,7 +4,7 @@ use super::{EstimationArgs, LookArgs, MeshArgs, ReadingArgs};
 use crate::cli::parse::vector;
 use clap::Args;
 use glam::DVec3;
-use osculate::{AnnotateOptions, Colormap};
+use osculate::AnnotateOptions;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct SettingsArgs {
@@ -36,10 +36,10 @@ impl SettingsArgs {
             mesh: self.mesh.options(),
             curvature: self.estimation.options(),
             select: self.look.select.clone(),
-            selection: self.look.attributes.clone(),
-            color_by: self.look.color_by.into(),
-            colormap: self.look.colormap.as_deref().map(Colormap::named).transpose()?,
-            range: self.look.range,
+            selection: self.look.attributes.attributes.clone(),
+            color_by: self.look.colors.color_by.into(),
+            colormap: self.look.colors.colormap()?,
+            range: self.look.colors.range,
             carrier: self.look.color.into(),
             variants: self.look.variants.clone(),
             layout: self.look.layout.into(),

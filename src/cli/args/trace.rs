@@ -1,10 +1,7 @@
 //! `osculate trace`.
 
-use super::{CommonArgs, EstimationArgs, InputArgs, MeshArgs, PlaceArgs, SpaceArgs};
-use crate::cli::choices::AlongArg;
-use crate::cli::parse::seeds;
+use super::{CommonArgs, EstimationArgs, InputArgs, MeshArgs, PathArgs, PlaceArgs, SpaceArgs};
 use clap::Args;
-use osculate::TraceOptions;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -16,21 +13,8 @@ pub(in crate::cli) struct TraceArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: PathBuf,
 
-    /// Direction to follow
-    #[arg(long, value_enum, default_value_t = AlongArg::Max, help_heading = "Path")]
-    pub(in crate::cli) along: AlongArg,
-
-    /// Most steps, each as long as the disk's radius; 1 to 1000000
-    #[arg(long, value_name = "M", default_value_t = TraceOptions::default().steps, help_heading = "Path")]
-    pub(in crate::cli) steps: usize,
-
-    /// Go both ways from each seed
-    #[arg(long, help_heading = "Path")]
-    pub(in crate::cli) both: bool,
-
-    /// Trace from this many faces spread evenly over the area, instead of from one place
-    #[arg(long, value_name = "N", conflicts_with_all = ["face", "point"], value_parser = seeds, help_heading = "Path")]
-    pub(in crate::cli) seeds: Option<usize>,
+    #[command(flatten)]
+    pub(in crate::cli) path: PathArgs,
 
     #[command(flatten)]
     pub(in crate::cli) place: PlaceArgs,

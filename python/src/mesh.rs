@@ -1,0 +1,188 @@
+//! A mesh: built from arrays or read from a file, then estimated.
+
+use crate::arrays::{Vertices, points, triples};
+use crate::lines;
+use crate::settings::{self, Settings};
+use crate::values::{Values, json};
+use crate::{errors, work};
+use numpy::{PyArray2, PyReadonlyArray2};
+use osculate::cli::settings::{Build, Estimate, Read, Walk, parse_arrays, parse_plane};
+use osculate::{AnnotateOptions, CurvatureOptions, Error, Face, MeshOptions, Note, Progress, SameVertex, Selection};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A mesh, ready to be walked over.
+#[pyclass(frozen, module = "osculate._native")]
+pub(crate) struct Mesh {
+    mesh: osculate::Mesh,
+    options: MeshOptions,
+    notes: Vec<Note>,
+    stored: Option<Stored>,
+}
+
+/// Values that a file carries from an earlier run.
+struct Stored {
+    values: Vec<osculate::FaceCurvature>,
+    settings: Value,
+}
+
+impl Mesh {
+    fn of(mesh: osculate::Mesh, options: MeshOptions) -> Self {
+        let notes = mesh.report().remarks().into_iter().map(Note::info).collect();
+        Mesh { mesh, options, notes, stored: None }
+    }
+}
+
+fn same_vertex(by_number: bool) -> SameVertex {
+    if by_number { SameVertex::Number } else { SameVertex::Position }
+}
+
+/// The settings that decide values, as they stand in files, as JSON.
+fn settings_of(mesh: MeshOptions, curvature: CurvatureOptions) -> PyResult<String> {
+    json(&AnnotateOptions { mesh, curvature, ..AnnotateOptions::default() }.settings_of_estimation())
+}
+
+fn read(path: &Path, call: &Read, progress: &dyn Progress) -> Result<Mesh, Error> {
+    let (soup, _) = osculate::read_with(path, &call.read, progress)?;
+    let stored = osculate::stored_values(&soup)?;
+    let notes = soup.notes.clone();
+    let mesh = osculate::Mesh::from_owned_soup(soup, &call.mesh).map_err(|e| e.in_file(path))?;
+    let stored = stored.map(|stored| {
+        let values = stored.curvature(&mesh).map_err(|e| e.in_file(path))?;
+        Ok(Stored { values, settings: stored.settings })
+    });
+    let mut read = Mesh::of(mesh, call.mesh);
+    // Values that lack what an estimate has are no reason to refuse the mesh.
+    read.stored = stored.and_then(Result::<_, Error>::ok);
+    read.notes.splice(0..0, notes);
+    Ok(read)
+}
+
+#[pymethods]
+impl Mesh {
+    /// From float arrays (n, 3) and uint32 faces (m, 3), both contiguous.
+    #[staticmethod]
+    #[pyo3(signature = (vertices, faces, by_number, settings, progress=None))]
+    fn from_arrays(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: PyReadonlyArray2<'_, u32>,
+        by_number: bool,
+        settings: Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let call = Build::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let vertices = Vertices::of(vertices)?;
+        let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
+        let mesh = work::run(py, call.threads, progress.as_ref(), |_| {
+            osculate::Mesh::from_arrays(positions, triangles, same_vertex(by_number), &call.mesh)
+        })?;
+        Ok(Mesh::of(mesh, call.mesh))
+    }
+
+    /// From a file of any format; `-` is standard input.
+    #[staticmethod]
+    #[pyo3(signature = (path, settings, progress=None))]
+    fn read(py: Python<'_>, path: PathBuf, settings: Settings, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        let call = Read::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        work::run(py, call.threads, progress.as_ref(), |progress| read(&path, &call, progress))
+    }
+
+    /// Builds a mesh from arrays and estimates it, in one go. Gives its report, its defects and the settings that decide
+    /// values (texts and JSON), and the values; the mesh itself is gone.
+    #[staticmethod]
+    #[pyo3(signature = (vertices, faces, by_number, settings, progress=None))]
+    fn annotate_arrays(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: PyReadonlyArray2<'_, u32>,
+        by_number: bool,
+        settings: Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<((String, Vec<String>, String), Values)> {
+        let (build, call) = parse_arrays(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let vertices = Vertices::of(vertices)?;
+        let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
+        let (report, values) = work::run(py, build.threads, progress.as_ref(), |progress| {
+            let mesh = osculate::Mesh::from_arrays(positions, triangles, same_vertex(by_number), &build.mesh)?;
+            let values = osculate::estimate(&mesh, &call.curvature, progress)?;
+            Ok((mesh.report().clone(), values))
+        })?;
+        let facts = (json(&report)?, report.defects(), settings_of(build.mesh, call.curvature)?);
+        Ok((facts, Values::new(values, call.selection)))
+    }
+
+    /// Estimates the curvature of all faces.
+    #[pyo3(signature = (settings, progress=None))]
+    fn estimate(&self, py: Python<'_>, settings: Settings, progress: Option<Py<PyAny>>) -> PyResult<Values> {
+        let call = Estimate::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let values = work::run(py, call.threads, progress.as_ref(), |progress| {
+            osculate::estimate(&self.mesh, &call.curvature, progress)
+        })?;
+        Ok(Values::new(values, call.selection))
+    }
+
+    /// The settings that decide values, with their defaults, as JSON.
+    fn settings(&self, py: Python<'_>, settings: Settings) -> PyResult<String> {
+        let call = Estimate::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        settings_of(self.options, call.curvature)
+    }
+
+    /// The values that the file carries from an earlier run, and the settings of that run as JSON.
+    fn stored(&self) -> PyResult<Option<(Values, String)>> {
+        let Some(stored) = &self.stored else { return Ok(None) };
+        Ok(Some((Values::new(stored.values.clone(), Selection::default()), json(&stored.settings)?)))
+    }
+
+    /// Positions of the welded vertices, (n, 3) float64.
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        points(py, self.mesh.positions(), self.mesh.origin())
+    }
+
+    /// Vertex numbers of all faces, (m, 3) uint32.
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let faces = (0..self.mesh.face_count() as u32).map(Face);
+        triples(py, faces.map(|face| self.mesh.topology().corners(face).map(|v| v.0)).collect())
+    }
+
+    /// Number of faces.
+    fn face_count(&self) -> usize {
+        self.mesh.face_count()
+    }
+
+    /// Counts, extent and defects as JSON.
+    fn report(&self) -> PyResult<String> {
+        json(self.mesh.report())
+    }
+
+    /// One sentence for each defect, and for all that the reader had to repair.
+    fn defects(&self) -> Vec<String> {
+        let repaired = self.notes.iter().filter(|note| note.repaired).map(|note| note.message.clone());
+        repaired.chain(self.mesh.report().defects()).collect()
+    }
+
+    /// One sentence for each thing that is no defect but worth knowing.
+    fn notes(&self) -> Vec<String> {
+        self.notes.iter().filter(|note| !note.repaired).map(|note| note.message.clone()).collect()
+    }
+
+    /// The disk of one face.
+    fn disk<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyDict>> {
+        let call = Walk::parse_disk(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        lines::disk(py, &self.mesh, &call)
+    }
+
+    /// Paths along a principal direction.
+    fn trace<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
+        let call = Walk::parse_trace(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        lines::traces(py, &self.mesh, &call)
+    }
+
+    /// The polylines in which a plane cuts the mesh.
+    fn section<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
+        let plane = parse_plane(&self.mesh, &settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        lines::section(py, &self.mesh, &plane)
+    }
+}
