@@ -15,7 +15,8 @@ pub enum Stage {
 pub trait Progress: Sync {
     /// A stage begins; `total` is its amount of work, 0 where it is not known.
     fn begin(&self, stage: Stage, total: u64);
-    /// So much more of the stage's work is done.
+    /// So much more of the stage's work is done; 0 where work goes on that is not counted. Who wants the run to end may
+    /// unwind from here: no output is then left half written.
     fn advance(&self, amount: u64);
     /// The stage is over.
     fn end(&self);

@@ -33,8 +33,8 @@ for i in np.argsort(counts)[::-1][:4]:
 # The conditions of `--select` work on the values too.
 
 # %%
-hollow = curvature.select("class=parabolic and k_min<0")
-print(f"{hollow.sum()} faces bend inwards like a cylinder")
+narrow = curvature.select("class=parabolic and k_max>0.05")
+print(f"{narrow.sum()} faces bend outwards like a cylinder of a radius below 20")
 
 # %% [markdown]
 # ## One place closely

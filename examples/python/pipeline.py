@@ -54,6 +54,7 @@ def main() -> int:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else here.parents[1] / "fixtures"
     out = Path(sys.argv[2]) if len(sys.argv) > 2 else Path("annotated")
     out.mkdir(parents=True, exist_ok=True)
+    # Material files are no meshes: among the fixtures, one that is refused.
     inputs = sorted(path for kind in ("stl", "ply", "off", "mtl") for path in folder.glob(f"*.{kind}"))
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         records = list(pool.map(annotate, inputs, [out] * len(inputs)))

@@ -3,6 +3,7 @@
 use osculate::{Error, FilePlace};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 /// The exception for an error, made by the package itself.
@@ -17,6 +18,7 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         Error::Io { path: file, source, .. } => {
             path = Some(file);
             facts.set_item("errno", source.raw_os_error())?;
+            facts.set_item("reason", reason(source.kind()))?;
             "file"
         }
         Error::Parse { path: file, source } => {
@@ -40,6 +42,18 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
     };
     facts.set_item("path", path)?;
     exception(py, kind, &error.to_string(), &facts)
+}
+
+/// The name of the system's error number, where the error itself does not have it.
+fn reason(kind: ErrorKind) -> Option<&'static str> {
+    match kind {
+        ErrorKind::NotFound => Some("ENOENT"),
+        ErrorKind::PermissionDenied => Some("EACCES"),
+        ErrorKind::IsADirectory => Some("EISDIR"),
+        ErrorKind::StorageFull => Some("ENOSPC"),
+        ErrorKind::BrokenPipe => Some("EPIPE"),
+        _ => None,
+    }
 }
 
 /// A panic is a bug of ours, and says so.

@@ -148,7 +148,7 @@ impl Told {
                 // The writing of files may come to more than was expected.
                 reached.done = watch.done.load(Ordering::Relaxed).min(reached.total);
             }
-            if self.done != Some(reached.done) || reached.over {
+            if self.done != Some(reached.done) {
                 self.done = Some(reached.done);
                 callback.call1(py, (name(reached.stage), reached.done, reached.total))?;
             }

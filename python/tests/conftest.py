@@ -20,8 +20,7 @@ def torus(around: int = 60, across: int = 30, major: float = 3.0, minor: float =
     u, v = np.meshgrid(2 * np.pi * np.arange(around) / around, 2 * np.pi * np.arange(across) / across, indexing="ij")
     r = major + minor * np.cos(v)
     vertices = np.stack([r * np.cos(u), r * np.sin(u), minor * np.sin(v)], axis=-1).reshape(-1, 3)
-    i, j = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
-    i, j = i.ravel(), j.ravel()
+    i, j = (index.ravel() for index in np.meshgrid(np.arange(around), np.arange(across), indexing="ij"))
 
     def at(a: Any, b: Any) -> Any:
         return (a % around) * across + b % across

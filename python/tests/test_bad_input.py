@@ -131,7 +131,7 @@ def test_outputs_that_cannot_be(tmp_path: Path) -> None:
     with pytest.raises(osculate.UsageError, match="edges must be given as well"):
         osculate.convert(source, tmp_path / "out.glb", view=(1, 0, 0))
     with pytest.raises(osculate.UsageTypeError, match="force must be True or False, not 'yes'"):
-        osculate.convert(source, tmp_path / "out.glb", force="yes")  # type: ignore[typeddict-item]
+        osculate.convert(source, tmp_path / "out.glb", force="yes")  # type: ignore[arg-type]
     with pytest.raises(osculate.UsageError, match="unit does not apply to glTF"):
         osculate.convert(FIXTURES / "suzanne.glb", tmp_path / "out.glb", unit="mm")
     assert [path.name for path in tmp_path.iterdir()] == ["kept.csv"]

@@ -19,9 +19,9 @@ from conftest import FIXTURES, Arrays, torus
 
 @pytest.fixture(scope="module")
 def rough() -> Arrays:
-    """Noise makes the windows large, and the run long: some seconds on one thread."""
-    vertices, faces = torus(300, 150)
-    return vertices + np.random.default_rng(1).normal(0, 0.005, vertices.shape), faces
+    """Noise makes the windows large, and the run long: more than a second on one thread."""
+    vertices, faces = torus(160, 80)
+    return vertices + np.random.default_rng(1).normal(0, 0.01, vertices.shape), faces
 
 
 def test_every_stage_is_told_to_its_end(tmp_path: Path) -> None:
@@ -79,11 +79,10 @@ def test_bars_are_shown(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> N
 
 
 def test_other_threads_run_meanwhile(rough: Arrays) -> None:
-    done = threading.Event()
-    worker = threading.Thread(target=lambda: (osculate.annotate(*rough), done.set()))
+    worker = threading.Thread(target=osculate.annotate, args=rough)
     worker.start()
     turns = 0
-    while not done.is_set():
+    while worker.is_alive():
         turns += 1
         time.sleep(0.001)
     worker.join()

@@ -63,5 +63,5 @@ def _text_of(name: str, value: object) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)  # type: ignore[return-value]
+        return os.fspath(value)
     raise UsageTypeError(f"{name} must be a number, a text, a path or a list of them, not {type(value).__name__}")

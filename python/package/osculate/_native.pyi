@@ -9,6 +9,21 @@ _Texts = list[tuple[str, list[str]]]
 _Progress = Callable[[str, int, int], object]
 _Path = str | os.PathLike[str]
 
+__all__ = [
+    "Mesh",
+    "VERSION",
+    "Values",
+    "class_names",
+    "colormaps",
+    "convert",
+    "facts",
+    "inspect",
+    "method_names",
+    "palette",
+    "quantities",
+    "run",
+]
+
 VERSION: str
 
 def run(arguments: list[str]) -> int: ...

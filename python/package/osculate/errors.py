@@ -102,7 +102,7 @@ def _make(kind: str, message: str, **facts: Any) -> Error:
     path = facts.get("path")
     path = None if path is None else str(path)
     if kind in ("file", "exists"):
-        return _of_file(kind, message, facts.get("errno"), path)
+        return _of_file(kind, message, facts, path)
     if kind == "parse":
         error = ParseError(message)
         error.path = path
@@ -114,13 +114,14 @@ def _make(kind: str, message: str, **facts: Any) -> Error:
     return _KINDS.get(kind, Error)(_as_settings(message))
 
 
-def _of_file(kind: str, message: str, errno: int | None, path: str | None) -> FileError:
+def _of_file(kind: str, message: str, facts: dict[str, Any], path: str | None) -> FileError:
     import errno as codes
 
     if kind == "exists":
         error: FileError = ExistsError(codes.EEXIST, message, path)
         message = f"{path} exists; remove it, or leave no_clobber out"
     else:
+        errno = facts.get("errno") or getattr(codes, facts.get("reason") or "", None)
         of = MissingFileError if errno == codes.ENOENT else FileError
         error = of(errno, message, path)
     error._sentence = message

@@ -3,6 +3,7 @@
 use super::stars::Stars;
 use super::window::scaled_normal;
 use crate::mesh::{Face, FaceState, Mesh};
+use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 
 /// A mesh prepared for windows.
@@ -13,10 +14,12 @@ pub(super) struct Ground<'m> {
     pub(super) over_features: bool,
     /// A normal at every vertex, as long as its faces are wide against the mesh.
     pub(super) normals: Vec<Vec3>,
+    /// Told of all work, so that it can be cancelled.
+    pub(super) progress: &'m dyn Progress,
 }
 
 impl<'m> Ground<'m> {
-    pub(super) fn new(mesh: &'m Mesh, over_features: bool) -> Self {
+    pub(super) fn new(mesh: &'m Mesh, over_features: bool, progress: &'m dyn Progress) -> Self {
         let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
         // Relative to the mesh, so that 32 bits hold the squares too.
         let scale = mesh.report().bounds.map_or(1.0, |b| 1.0 / b.size().max_element());
@@ -27,7 +30,7 @@ impl<'m> Ground<'m> {
                 normals[v.index()] += normal;
             }
         }
-        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals }
+        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals, progress }
     }
 
     pub(super) fn position(&self, vertex: u32) -> DVec3 {

@@ -79,7 +79,7 @@ pub(super) fn estimate(
     progress: &dyn Progress,
     out: &mut [FaceCurvature],
 ) {
-    let ground = Ground::new(mesh, false);
+    let ground = Ground::new(mesh, false, progress);
     let quantum = quantum(mesh);
     let worker = || Worker {
         ground: &ground,
@@ -151,6 +151,7 @@ fn look_aside<'g>(
         quality[f].is_uneven && around.into_iter().any(|m| one_sided::is_better(m, quality[f].misfit))
     };
     out.par_chunks_mut(CHUNK).enumerate().for_each_init(&worker, |worker, (chunk, out)| {
+        ground.progress.advance(0);
         for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| is_beside_better(*f)) {
             if let Some(value) = worker.one_sided(Face(f as u32), quality) {
                 *out = FaceCurvature { coverage: out.coverage, ..value };
@@ -163,6 +164,7 @@ fn look_aside<'g>(
     }
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
     both.enumerate().for_each_init(&worker, |worker, (chunk, (out, quality))| {
+        ground.progress.advance(0);
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
         let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
             out.method != Method::OneSided && quality.is_open() && strips::is_long(mesh, face)
@@ -187,7 +189,7 @@ fn look_wider(ground: &Ground<'_>, options: &CurvatureOptions, mut wanted: Vec<b
             // Faces that fit by chance would stand out among the others.
             wanted.iter_mut().zip(&*out).for_each(|(wanted, value)| *wanted = value.is_estimated());
         }
-        (steady::around_vertices(&Ground::new(ground.mesh, true)), Method::Window)
+        (steady::around_vertices(&Ground::new(ground.mesh, true, ground.progress)), Method::Window)
     } else {
         (scale::estimate(ground, &seeds, &wanted), Method::Patches)
     };

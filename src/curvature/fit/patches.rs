@@ -118,6 +118,7 @@ impl Reached {
             .map_init(
                 || Sampler::new(ground),
                 |sampler, i| {
+                    ground.progress.advance(0);
                     let Some(patch) = &patches[i] else { return Vec::new() };
                     let near = sampler.faces_within(seeds[i], REACH * patch.radius());
                     near.into_iter().filter(|&f| wanted[f as usize]).map(|f| (f, i as u32)).collect()

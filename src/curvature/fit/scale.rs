@@ -96,7 +96,10 @@ pub(super) fn estimate(ground: &Ground<'_>, seeds: &[Face], wanted: &[bool]) -> 
         .par_chunks(CHUNK)
         .map_init(
             || Sampler::new(ground),
-            |sampler, chunk| chunk.iter().map(|probe| choose(probe, &probes, sampler)).collect(),
+            |sampler, chunk| {
+                ground.progress.advance(0);
+                chunk.iter().map(|probe| choose(probe, &probes, sampler)).collect()
+            },
         )
         .collect();
     drop(probes);
@@ -109,7 +112,10 @@ fn probe_all(ground: &Ground<'_>, seeds: &[Face], seed_of: &[u32], levels: usize
         .par_chunks(CHUNK)
         .map_init(
             || Sampler::new(ground),
-            |sampler, chunk| chunk.iter().map(|&seed| probe(sampler, seed, seed_of, levels)).collect(),
+            |sampler, chunk| {
+                ground.progress.advance(0);
+                chunk.iter().map(|&seed| probe(sampler, seed, seed_of, levels)).collect()
+            },
         )
         .collect();
     probes.into_iter().flatten().collect()

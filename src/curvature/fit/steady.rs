@@ -26,6 +26,7 @@ pub(super) fn around_vertices(ground: &Ground<'_>) -> Vec<Option<Blended>> {
         .map_init(
             || Sampler::new(ground),
             |sampler, v| {
+                ground.progress.advance(0);
                 if ground.stars.neighbours(v).is_empty() {
                     return None;
                 }

@@ -17,8 +17,10 @@ def needed(package: str) -> Any:
 
     try:
         return importlib.import_module(package)
+    except ModuleNotFoundError as error:
+        raise MissingPackageError(f"this needs {package}: pip install {package}") from error
     except ImportError as error:
-        raise MissingPackageError(f"this needs {package}: pip install {package.split('.')[0]}") from error
+        raise MissingPackageError(f"{package} is installed but does not work: {error}") from error
 
 
 def attached(curvature: FaceCurvature, faces: int) -> dict[str, NDArray[Any]]:
