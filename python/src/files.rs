@@ -1,6 +1,6 @@
 //! From file to file.
 
-use crate::settings::{self, Settings};
+use crate::settings::Settings;
 use crate::values::json;
 use crate::{errors, work};
 use osculate::cli::settings::{Convert, Read};
@@ -18,7 +18,7 @@ pub(crate) fn convert(
     summarise: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, Vec<String>)> {
-    let call = Convert::parse(&input, &output, &settings::of(settings));
+    let call = Convert::parse(&input, &output, &settings);
     let mut call = call.map_err(|e| errors::raise(py, &e))?;
     if summarise {
         call.summarise();
@@ -37,7 +37,7 @@ pub(crate) fn inspect(
     settings: Settings,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    let call = Read::parse_inspect(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+    let call = Read::parse_inspect(&settings).map_err(|e| errors::raise(py, &e))?;
     let inspection = work::run(py, call.threads, progress.as_ref(), |progress| {
         osculate::inspect_with(&input, &call.read, &call.mesh, call.view, progress)
     })?;

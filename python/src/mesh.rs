@@ -2,7 +2,7 @@
 
 use crate::arrays::{Vertices, points, triples};
 use crate::lines;
-use crate::settings::{self, Settings};
+use crate::settings::Settings;
 use crate::values::{Values, json};
 use crate::{errors, work};
 use numpy::{PyArray2, PyReadonlyArray2};
@@ -73,7 +73,7 @@ impl Mesh {
         settings: Settings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let call = Build::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Build::parse(&settings).map_err(|e| errors::raise(py, &e))?;
         let vertices = Vertices::of(vertices)?;
         let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
         let mesh = work::run(py, call.threads, progress.as_ref(), |_| {
@@ -86,7 +86,7 @@ impl Mesh {
     #[staticmethod]
     #[pyo3(signature = (path, settings, progress=None))]
     fn read(py: Python<'_>, path: PathBuf, settings: Settings, progress: Option<Py<PyAny>>) -> PyResult<Self> {
-        let call = Read::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Read::parse(&settings).map_err(|e| errors::raise(py, &e))?;
         work::run(py, call.threads, progress.as_ref(), |progress| read(&path, &call, progress))
     }
 
@@ -102,7 +102,7 @@ impl Mesh {
         settings: Settings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<((String, Vec<String>, String), Values)> {
-        let (build, call) = parse_arrays(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let (build, call) = parse_arrays(&settings).map_err(|e| errors::raise(py, &e))?;
         let vertices = Vertices::of(vertices)?;
         let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
         let (report, values) = work::run(py, build.threads, progress.as_ref(), |progress| {
@@ -117,7 +117,7 @@ impl Mesh {
     /// Estimates the curvature of all faces.
     #[pyo3(signature = (settings, progress=None))]
     fn estimate(&self, py: Python<'_>, settings: Settings, progress: Option<Py<PyAny>>) -> PyResult<Values> {
-        let call = Estimate::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Estimate::parse(&settings).map_err(|e| errors::raise(py, &e))?;
         let values = work::run(py, call.threads, progress.as_ref(), |progress| {
             osculate::estimate(&self.mesh, &call.curvature, progress)
         })?;
@@ -126,7 +126,7 @@ impl Mesh {
 
     /// The settings that decide values, with their defaults, as JSON.
     fn settings(&self, py: Python<'_>, settings: Settings) -> PyResult<String> {
-        let call = Estimate::parse(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Estimate::parse(&settings).map_err(|e| errors::raise(py, &e))?;
         settings_of(self.options, call.curvature)
     }
 
@@ -170,19 +170,19 @@ impl Mesh {
 
     /// The disk of one face.
     fn disk<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyDict>> {
-        let call = Walk::parse_disk(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Walk::parse_disk(&settings).map_err(|e| errors::raise(py, &e))?;
         lines::disk(py, &self.mesh, &call)
     }
 
     /// Paths along a principal direction.
     fn trace<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
-        let call = Walk::parse_trace(&settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let call = Walk::parse_trace(&settings).map_err(|e| errors::raise(py, &e))?;
         lines::traces(py, &self.mesh, &call)
     }
 
     /// The polylines in which a plane cuts the mesh.
     fn section<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
-        let plane = parse_plane(&self.mesh, &settings::of(settings)).map_err(|e| errors::raise(py, &e))?;
+        let plane = parse_plane(&self.mesh, &settings).map_err(|e| errors::raise(py, &e))?;
         lines::section(py, &self.mesh, &plane)
     }
 }

@@ -3,15 +3,9 @@
 use osculate::cli::settings::Setting;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::ffi::OsString;
 
 /// Names and texts: the package has made texts of all values.
-pub(crate) type Settings = Vec<(String, Vec<OsString>)>;
-
-/// The same for the crate.
-pub(crate) fn of(settings: Settings) -> Vec<Setting> {
-    settings
-}
+pub(crate) type Settings = Vec<Setting>;
 
 /// What is known of the settings of a call, as JSON.
 #[pyfunction]

@@ -1,7 +1,7 @@
 //! The values of all faces, as arrays that NumPy owns.
 
 use crate::arrays::triples;
-use crate::settings::{self, Settings};
+use crate::settings::Settings;
 use crate::{errors, work};
 use glam::Vec3;
 use numpy::{IntoPyArray, PyArray1};
@@ -99,7 +99,6 @@ impl Values {
         py: Python<'py>,
         settings: Settings,
     ) -> PyResult<(&'static str, &'static str, f64, f64, usize, Bound<'py, PyArray1<u8>>)> {
-        let settings = settings::of(settings);
         let scale = work::run(py, None, None, |_| parse_colors(&self.values, &settings))?;
         let indices: Vec<u8> = self.values.iter().map(|value| scale.color_index(value) as u8).collect();
         let (quantity, map) = (scale.quantity.token(), scale.map.name());

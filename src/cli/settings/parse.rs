@@ -2,7 +2,6 @@
 
 use super::Setting;
 use super::facts::{Separator, settings_of};
-use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, Command};
 use osculate::Error;
@@ -76,11 +75,7 @@ fn sentence(error: &clap::Error) -> String {
             format!("{argument} cannot be given together with {}", names(ContextKind::PriorArg))
         }
         ErrorKind::MissingRequiredArgument => format!("{argument} must be given as well"),
-        _ => {
-            let all = StyledStr::from(error.render().to_string()).to_string();
-            let first = all.lines().next().unwrap_or_default();
-            first.trim_start_matches("error: ").to_owned()
-        }
+        _ => error.to_string().lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned(),
     }
 }
 
