@@ -128,23 +128,20 @@ fn unpacked(row: &[u8; PACKED]) -> FaceCurvature {
         radius: at(9),
         coverage: at(10),
         confidence: at(11),
-        method: METHODS.get(usize::from(codes[0])).copied().unwrap_or(Method::None),
+        method: Method::ALL.get(usize::from(codes[0])).copied().unwrap_or(Method::None),
         class: class.unwrap_or(FaceClass::NotEstimated),
     }
 }
 
-/// Methods by code; a code is an index.
-const METHODS: [Method; 6] =
-    [Method::None, Method::Sections, Method::Fit, Method::OneSided, Method::Patches, Method::Window];
-
+/// The code of a method: its place among all.
 fn code_of(method: Method) -> i8 {
-    METHODS.iter().position(|&known| known == method).map_or(0, |code| code as i8)
+    method as i8
 }
 
 /// Words of `method`, by code.
 #[pyfunction]
 pub(crate) fn method_names() -> Vec<&'static str> {
-    METHODS.iter().map(|method| method.name()).collect()
+    Method::ALL.iter().map(|method| method.name()).collect()
 }
 
 /// Words of `class`, with their codes.

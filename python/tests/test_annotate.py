@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import osculate
 import pytest
 from conftest import FIXTURES, Arrays, exact_k_min
+from osculate.settings import AnnotateSettings
 
 
 def test_a_torus_has_its_curvature(ring: Arrays) -> None:
@@ -78,12 +80,19 @@ def test_vertices_at_equal_positions_are_one_unless_numbers_count(ring: Arrays) 
     assert np.array_equal(osculate.annotate(vertices, faces, indexed=True).k_max, osculate.annotate(vertices, faces).k_max)
 
 
-def test_the_values_are_those_of_the_command_line(tmp_path: object) -> None:
-    path = FIXTURES / "suzanne.ply"
-    mesh = osculate.read(path)
-    curvature = mesh.annotate(attributes="all", estimator="osculating", radius_factor="2:mesh", diameters=8)
-    table = f"{tmp_path}/values.csv"
-    osculate.convert(path, table, attributes="all", estimator="osculating", radius_factor="2:mesh", diameters=8)
+SETTINGS: list[tuple[str, AnnotateSettings]] = [
+    ("suzanne.ply", {"attributes": "all", "estimator": "osculating", "radius_factor": "2:mesh", "diameters": 8}),
+    ("suzanne.ply", {"attributes": "all"}),
+    ("fillet_part.stl", {}),
+]
+
+
+@pytest.mark.parametrize(("name", "settings"), SETTINGS)
+def test_the_values_are_those_of_the_command_line(tmp_path: Path, name: str, settings: AnnotateSettings) -> None:
+    mesh = osculate.read(FIXTURES / name)
+    curvature = osculate.annotate(mesh.vertices, mesh.faces, **settings)
+    table = tmp_path / "values.csv"
+    osculate.convert(FIXTURES / name, table, **settings)
     written = np.genfromtxt(table, delimiter=",", names=True, dtype=None, encoding="utf-8")
     columns = curvature.columns()
     assert tuple(columns) == written.dtype.names
@@ -92,7 +101,8 @@ def test_the_values_are_those_of_the_command_line(tmp_path: object) -> None:
             assert (column == written[name]).all()
         else:
             assert np.array_equal(column, written[name].astype(column.dtype), equal_nan=column.dtype.kind == "f"), name
-    assert curvature.settings["radius_factor"] == "2:mesh" and curvature.settings["diameters"] == 8
+    for setting in ("radius_factor", "diameters"):
+        assert setting not in settings or curvature.settings[setting] == settings[setting]
 
 
 def test_values_can_be_selected_summarised_and_coloured(ring: Arrays) -> None:

@@ -24,6 +24,18 @@ pub enum Method {
 }
 
 impl Method {
+    /// All methods, in the order of their declaration.
+    pub const ALL: [Method; 8] = [
+        Method::None,
+        Method::Sections,
+        Method::Fit,
+        Method::OneSided,
+        Method::Strip,
+        Method::Flat,
+        Method::Patches,
+        Method::Window,
+    ];
+
     /// The name in CSV files; empty for none.
     pub fn name(self) -> &'static str {
         match self {
@@ -36,5 +48,16 @@ impl Method {
             Method::Patches => "patches",
             Method::Window => "window",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_methods_stand_at_their_place() {
+        assert!(Method::ALL.iter().enumerate().all(|(i, &method)| method as usize == i));
+        assert_eq!(Method::ALL[Method::ALL.len() - 1], Method::Window, "a new method belongs into ALL");
     }
 }

@@ -134,8 +134,8 @@ class FaceCurvature:
 
     @cached_property
     def method(self) -> NDArray[np.str_]:
-        """How the face came by its values, (n,): fit, one_sided, patches, window or sections; empty without an
-        estimate."""
+        """How the face came by its values, (n,): fit, one_sided, strip, flat, patches, window or sections;
+        empty without an estimate."""
         return np.array(METHODS)[self.method_code]
 
     @cached_property
