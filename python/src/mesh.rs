@@ -22,6 +22,9 @@ pub(crate) struct Mesh {
     stored: Option<Stored>,
 }
 
+/// Of a mesh that is gone: its report as JSON, its defects, and the settings that decide values as JSON.
+type MeshFacts = (String, Vec<String>, String);
+
 /// Values that a file carries from an earlier run.
 struct Stored {
     values: Vec<osculate::FaceCurvature>,
@@ -101,7 +104,7 @@ impl Mesh {
         by_number: bool,
         settings: Settings,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<((String, Vec<String>, String), Values)> {
+    ) -> PyResult<(MeshFacts, Values)> {
         let (build, call) = parse_arrays(&settings).map_err(|e| errors::raise(py, &e))?;
         let vertices = Vertices::of(vertices)?;
         let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);

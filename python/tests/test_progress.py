@@ -109,7 +109,8 @@ def test_an_interrupt_ends_the_call() -> None:
         sent = time.monotonic()
         process.send_signal(signal.SIGINT)
         assert process.stdout.readline() == "interrupted\n"
-        assert time.monotonic() - sent < 5
+        # Welding and the like are not interrupted; on a busy machine they take some seconds. All takes a minute.
+        assert time.monotonic() - sent < 20
         assert process.wait() == 0
 
 
