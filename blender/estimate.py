@@ -80,7 +80,7 @@ class Job:
     def _said(self, mesh, made):
         parts = [f"{len(mesh.polygons)} faces of \"{self.object_name}\"{made}"]
         without = int((self.columns["class"] == -1).sum())
-        loose = len(mesh.edges) - len(np.unique(store.corner_edges(mesh)))
+        loose = int((np.bincount(store.corner_edges(mesh), minlength=len(mesh.edges)) == 0).sum())
         for count, what in ((without, "without estimate"), (self.triangles.polygons(), "as means of their triangles"),
                             (loose, "loose edges left out")):
             if count:

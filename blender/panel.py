@@ -58,24 +58,7 @@ class OSCULATE_PT_show(_Panel, bpy.types.Panel):
         row.operator("osculate.show", icon="MATERIAL").way = "MATERIAL"
         row.operator("osculate.show", text="", icon="SHADING_SOLID").way = "COLORS"
         row.operator("osculate.hide")
-        self._legend(layout, context.active_object)
-
-    def _legend(self, layout, obj):
-        """The colours of the active object and what they stand for."""
-        shown = material.of(obj) if obj is not None and obj.type == "MESH" else None
-        if shown is None or "quantity" not in shown[material.LOOK]:
-            return
-        look = shown[material.LOOK]
-        box = layout.box()
-        box.label(text=BY_TOKEN[look["quantity"]].label)
-        ramp = shown.node_tree.nodes.get("Colours")
-        if ramp is not None:
-            box.template_color_ramp(ramp, "color_ramp", expand=False)
-        if look["quantity"] != "class":
-            low, high = look["range"]
-            row = box.row()
-            row.label(text=f"{low:.4g}")
-            row.label(text=f"{high:.4g}")
+        _draw_legend(layout, context.active_object)
 
 
 class OSCULATE_PT_select(_Panel, bpy.types.Panel):
@@ -92,6 +75,24 @@ class OSCULATE_PT_select(_Panel, bpy.types.Panel):
             column.prop(group, "select_low")
             column.prop(group, "select_high")
         layout.operator("osculate.select", icon="RESTRICT_SELECT_OFF")
+
+
+def _draw_legend(layout, obj):
+    """The colours of the active object and what they stand for."""
+    shown = material.of(obj) if obj is not None and obj.type == "MESH" else None
+    if shown is None or "quantity" not in shown[material.LOOK]:
+        return
+    look = shown[material.LOOK]
+    box = layout.box()
+    box.label(text=BY_TOKEN[look["quantity"]].label)
+    ramp = shown.node_tree.nodes.get("Colours")
+    if ramp is not None:
+        box.template_color_ramp(ramp, "color_ramp", expand=False)
+    if look["quantity"] != "class":
+        low, high = look["range"]
+        row = box.row()
+        row.label(text=f"{low:.4g}")
+        row.label(text=f"{high:.4g}")
 
 
 _CLASSES = (OSCULATE_PT_annotate, OSCULATE_PT_show, OSCULATE_PT_select)

@@ -46,7 +46,7 @@ class OSCULATE_OT_show(bpy.types.Operator):
             legend.place(context, scale, objects)
         material.purge()
         if not scale.is_classes:
-            group["low"], group["high"] = scale.low, scale.high
+            group.low, group.high = scale.low, scale.high
         self.report({"INFO"}, f"{scale.quantity.label} from {scale.low:.4g} to {scale.high:.4g}.")
         return {"FINISHED"}
 

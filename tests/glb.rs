@@ -295,3 +295,20 @@ fn vertex_colours_are_in_the_light_asked_for() {
         assert!((f64::from(*l) / 255.0 - light).abs() < 0.02, "{s} became {l}");
     }
 }
+
+#[test]
+fn layout_indexed_lists_edges_of_the_surface_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Closed, with eight faces that repeat a vertex; and a tetrahedron of which one face is there twice.
+    let twice = folder.path().join("twice.obj");
+    fs::write(&twice, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 2 4\n").expect("a file");
+    for (input, features) in [("fillet_degenerate.stl", 64), (twice.to_str().expect("a name"), 6)] {
+        let path = folder.path().join("indexed.glb");
+        annotate(input, &path, &["--layout", "indexed"]);
+        let glb = Glb::parse(&fs::read(&path).expect("a GLB"));
+        let edges = &glb.json["meshes"][0]["primitives"][0]["extensions"]["OSCULATE_face_values"]["edges"];
+        assert_eq!(edges.get("boundary"), None, "{input}");
+        let feature = edges["feature"]["accessor"].as_u64().expect("an accessor") as usize;
+        assert_eq!(glb.json["accessors"][feature]["count"], 2 * features, "{input}");
+    }
+}

@@ -3,8 +3,10 @@
 import os
 import sys
 import threading
+import time
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, corners, empty, load, main, names, obj_of, only,
                      osculate, points, quiet, select, table, values, write_ply)
@@ -281,19 +283,37 @@ class Refusals(Fresh):
             mesh = only(load(annotated(FIXTURES / "suzanne.stl", "once.glb"))[0])
             self.assertEqual(mesh.attributes["_CURVATURE_MEAN"].domain, "FACE", "imports go on")
 
-    def test_a_cancelled_run_changes_nothing(self):
+    def test_a_run_goes_on_beside_blender_until_it_is_cancelled(self):
         package = sys.modules[MODULE]
-        mesh = only(load(annotated(FIXTURES / "suzanne.stl", "suzanne-none.glb", "--layout", "indexed", "--attributes",
-                                   "none"))[0])
-        before = names(mesh)
-        jobs, _ = package.estimate.collect(bpy.context, [obj_of(mesh)], False)
+        bpy.ops.mesh.primitive_torus_add(major_segments=600, minor_segments=300)
+        obj = bpy.context.active_object
+        before = names(obj.data)
+        jobs, _ = package.estimate.collect(bpy.context, [obj], False)
+        work = package.work.Work(jobs, {})
+        work.start()
+        looked = 0
+        while work.is_running() and work.share == 0:
+            looked += 1
+            time.sleep(0.002)
+        self.assertGreater(looked, 1, "this thread runs meanwhile")
+        self.assertTrue(work.is_running(), "there is time to cancel")
+        work.cancel()
+        asked = time.perf_counter()
+        work.wait()
+        self.assertLess(time.perf_counter() - asked, 5)
+        self.assertIsInstance(work.error, package.estimate.Cancelled)
+        self.assertIsNone(jobs[0].columns)
+        self.assertEqual(names(obj.data), before)
 
-        def progress(stage, done, total):
-            raise package.estimate.Cancelled
-
-        with self.assertRaises(package.estimate.Cancelled):
-            jobs[0].run({}, progress)
-        self.assertEqual(names(mesh), before)
+    def test_a_run_tells_how_far_it_is(self):
+        package = sys.modules[MODULE]
+        first, second = monkey(), monkey()
+        jobs, _ = package.estimate.collect(bpy.context, [first, second], False)
+        work = package.work.Work(jobs, {})
+        work.start()
+        work.wait()
+        self.assertIsNone(work.error)
+        self.assertEqual(work.share, 1)
 
     def test_a_mesh_that_changed_meanwhile_is_not_written_to(self):
         package = sys.modules[MODULE]
@@ -310,6 +330,53 @@ class Refusals(Fresh):
         bpy.data.objects.remove(obj)
         with self.assertRaisesRegex(package.estimate.Refused, f"\"{name}\" has changed"):
             jobs[0].write(bpy.context, 40, False)
+
+
+class Panels(Fresh):
+    def test_panels_name_properties_and_operators_that_there_are(self):
+        package = sys.modules[MODULE]
+        for prepared in (False, True):
+            if prepared:
+                monkey()
+                call(bpy.ops.osculate.annotate)
+                call(bpy.ops.osculate.show)
+            for quantity in ("mean", "class"):
+                for by in ("class", "range"):
+                    settings().quantity, settings().select_by = quantity, by
+                    for panel in package.panel._CLASSES:
+                        layout = Layout()
+                        # A panel cannot be made without a window; what it draws with, it can.
+                        panel.draw(SimpleNamespace(layout=layout), bpy.context)
+                        self.assertGreater(layout.count, 1)
+
+
+class Layout:
+    """A layout that checks what it is given, and draws nothing."""
+
+    count = 0
+
+    def prop(self, data, name, **_):
+        self.count += 1
+        assert name in data.bl_rna.properties, name
+
+    def operator(self, name, **_):
+        self.count += 1
+        group, operator = name.split(".")
+        getattr(getattr(bpy.ops, group), operator).get_rna_type()
+        return SimpleNamespace()
+
+    def label(self, text="", icon="NONE"):
+        self.count += 1
+        assert isinstance(text, str)
+
+    def template_color_ramp(self, data, name, **_):
+        self.count += 1
+        assert hasattr(data, name)
+
+    def column(self, **_):
+        return self
+
+    row = box = column
 
 
 class without_wheel:

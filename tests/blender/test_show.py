@@ -131,7 +131,7 @@ class Show(Fresh):
         call(bpy.ops.osculate.show)
         texts = [obj.data.body for obj in bpy.data.collections["Osculate legend"].objects if obj.type == "FONT"]
         self.assertIn("Gaussian curvature, 1/length\N{SUPERSCRIPT TWO}", texts)
-        low, high = settings()["low"], settings()["high"]
+        low, high = settings().low, settings().high
         self.assertTrue({f"{low:.4g}", f"{high:.4g}", "0"} <= set(texts), texts)
         settings().quantity = "class"
         call(bpy.ops.osculate.show)
