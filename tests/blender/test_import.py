@@ -136,6 +136,17 @@ class Edges(Case):
                     self.assertEqual(found, {kind: counted[kind] for kind in KINDS})
                     self.assertTrue(np.array_equal(values(mesh, "sharp_edge", "EDGE"), kinds == KINDS["feature"]))
 
+    def test_a_sliver_in_a_seam_hides_no_sharp_edge(self):
+        path = FOLDER / "sliver.obj"
+        path.write_text("v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 1 0\nv 1 0 -1\nf 1 2 4\nf 1 5 3\nf 3 5 2\nf 1 3 2\n")
+        counted = json.loads(osculate("inspect", path, "--format", "json"))["edges"]
+        self.assertEqual(counted["feature"], 2)
+        for layout in ("faces", "indexed"):
+            mesh = only(load(annotated(path, f"sliver-{layout}.glb", "--layout", layout))[0])
+            kinds, angles = values(mesh, "_EDGE_KIND", "EDGE"), values(mesh, "_DIHEDRAL", "EDGE")
+            self.assertEqual({kind: int((kinds == code).sum()) for kind, code in KINDS.items()}, counted, layout)
+            self.assertTrue(np.allclose(angles[kinds == 2], 90) and np.allclose(angles[kinds != 2], 0), layout)
+
     def test_angles_are_those_of_the_file_of_edges(self):
         edges = FOLDER / "angles-edges.glb"
         annotated(FIXTURES / "suzanne.stl", "angles.glb", "--edges", edges)
