@@ -37,7 +37,6 @@ def make(scale, is_lit=True):
     without = node("ShaderNodeMath", 1, 1, operation="LESS_THAN", label="Not estimated")
     without.inputs[1].default_value = -0.5
     mix = node("ShaderNodeMix", 3, data_type="RGBA")
-    mix.inputs["B"].default_value  # the float of that name comes first
     factor, a, b = mix.inputs[0], mix.inputs[6], mix.inputs[7]
     b.default_value = (*scale.none, 1)
     shader = node("ShaderNodeBsdfPrincipled" if is_lit else "ShaderNodeEmission", 4)

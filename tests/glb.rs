@@ -301,7 +301,8 @@ fn layout_indexed_lists_edges_of_the_surface_only() {
     let folder = tempfile::tempdir().expect("a folder");
     // Closed, with eight faces that repeat a vertex; and a tetrahedron of which one face is there twice.
     let twice = folder.path().join("twice.obj");
-    fs::write(&twice, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 2 4\n").expect("a file");
+    fs::write(&twice, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 2 4\n")
+        .expect("a file");
     for (input, features) in [("fillet_degenerate.stl", 64), (twice.to_str().expect("a name"), 6)] {
         let path = folder.path().join("indexed.glb");
         annotate(input, &path, &["--layout", "indexed"]);

@@ -4,7 +4,6 @@ import os
 import sys
 import threading
 import time
-import unittest
 from pathlib import Path
 from types import SimpleNamespace
 

@@ -2,7 +2,6 @@
 
 import json
 import struct
-import unittest
 
 from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, corners, load, main, names, only, osculate, points, quiet,
                      table, values)

@@ -6,7 +6,7 @@ import struct
 import unittest
 from pathlib import Path
 
-from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, empty, load, main, names, obj_of, only, osculate, quiet,
+from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, empty, load, main, obj_of, only, osculate, quiet,
                      select, table, values)
 
 import bpy
@@ -179,8 +179,7 @@ class Show(Fresh):
         folder = Path(PICTURES)
         folder.mkdir(exist_ok=True)
         for token in ("mean", "class"):
-            mesh = self.suzanne()
-            obj = obj_of(mesh)
+            self.suzanne()
             settings().quantity = token
             light = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
             light.data.energy, light.rotation_euler = 1.2, (0.9, 0.1, 0.6)
