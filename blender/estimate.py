@@ -55,7 +55,9 @@ class Job:
                 self.triangles):
             raise Refused(f"\"{self.object_name}\" has changed while it was estimated; nothing was written. Run it again.")
         mesh, made = obj.data, ""
-        if self.is_evaluated and not np.array_equal(store.corner_vertices(mesh), self._corners(obj, depsgraph)):
+        # Other objects of the same mesh have other modifiers, or none.
+        if self.is_evaluated and (mesh.users > 1 or not np.array_equal(
+                store.corner_vertices(mesh), self._corners(obj, depsgraph))):
             mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
             mesh.name = f"{obj.name} evaluated"
             new = bpy.data.objects.new(mesh.name, mesh)
@@ -89,7 +91,9 @@ class Job:
 
 
 def put_values(mesh, columns, settings):
-    """Writes attributes of faces and what they were made with."""
+    """Writes attributes of faces and what they were made with, in the place of those of an earlier run."""
+    if store.MARK in mesh:
+        clear(mesh)
     store.put(mesh, BY_TOKEN["face"].attribute, "INT", "FACE", np.arange(len(mesh.polygons)))
     for token, values in columns.items():
         quantity = BY_TOKEN[token]

@@ -193,6 +193,28 @@ class Values(Fresh):
         self.assertNotIn("osculate", obj.data)
         self.assertIn("None of the selected objects has values", call(bpy.ops.osculate.clear)[1])
 
+    def test_a_second_run_leaves_nothing_of_the_first(self):
+        mesh = monkey().data
+        call(bpy.ops.osculate.annotate)
+        once = names(mesh)
+        settings().attributes = "all"
+        call(bpy.ops.osculate.annotate)
+        self.assertIn("_SHAPE_INDEX", mesh.attributes)
+        call(bpy.ops.osculate.reset_settings)
+        call(bpy.ops.osculate.annotate)
+        self.assertEqual(names(mesh), once)
+
+    def test_modifiers_of_one_object_leave_the_mesh_that_another_shares(self):
+        first = monkey()
+        second = bpy.data.objects.new("second", first.data)
+        bpy.context.collection.objects.link(second)
+        first.modifiers.new("Smooth", "SMOOTH")
+        settings().use_modifiers = True
+        before = names(first.data)
+        select(first)
+        self.assertIn("as new object", call(bpy.ops.osculate.annotate)[1])
+        self.assertEqual(names(first.data), before)
+
     def test_undo_takes_the_values_back(self):
         obj = monkey()
         name = obj.name
