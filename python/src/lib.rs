@@ -2,6 +2,7 @@
 //! settings as text; what users see is in `package/osculate`.
 
 mod arrays;
+mod batch;
 mod errors;
 mod files;
 mod lines;
@@ -21,6 +22,8 @@ fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::batch::{Batch, is_mesh_name, remove_abandoned_outputs};
     #[pymodule_export]
     use super::files::{convert, inspect};
     #[pymodule_export]

@@ -4,12 +4,13 @@
 mod facts;
 mod parse;
 
+pub use super::batch::{Batch, Counts, Done, Status};
 pub use facts::{Separator, SettingFacts, facts};
 
 use super::annotate::Target;
 use super::args::{
-    AnnotateArgs, ArraysCall, BuildCall, ColorsArgs, DiskCall, EstimateCall, EstimationArgs, InspectCall, MeshArgs,
-    PathArgs, PlaceArgs, PlaneArgs, ReadCall, ReadingArgs, TraceCall,
+    AnnotateArgs, ArraysCall, BatchArgs, BuildCall, ColorsArgs, DiskCall, EstimateCall, EstimationArgs, InspectCall,
+    MeshArgs, PathArgs, PlaceArgs, PlaneArgs, ReadCall, ReadingArgs, TraceCall,
 };
 use glam::DVec3;
 use osculate::{
@@ -223,4 +224,15 @@ impl Convert {
     pub fn run(&self, progress: &dyn Progress) -> Result<Summary, Error> {
         self.target.annotate(&self.args.input.path, &self.options, progress)
     }
+}
+
+/// `osculate batch` without its finding, sharing and logging: what it does with each file, and the threads to use;
+/// `None` for one per core.
+///
+/// # Errors
+/// [`Error::Usage`].
+pub fn parse_batch(settings: &[Setting]) -> Result<(Batch, Option<usize>), Error> {
+    // What files there are and where they go is not its business.
+    let args: BatchArgs = parse::parse_with(settings, &[("output", Path::new("-"))], Some(Path::new("-")))?;
+    Ok((Batch::new(&args)?, args.common.threads.threads))
 }

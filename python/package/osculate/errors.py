@@ -142,4 +142,4 @@ def _as_settings(message: str) -> str:
 def _names() -> frozenset[str]:
     from ._given import facts
 
-    return frozenset(name for call in ("convert", "trace", "inspect") for name in facts(call))
+    return frozenset(name for call in ("convert", "batch", "trace", "inspect") for name in facts(call))

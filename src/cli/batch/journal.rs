@@ -4,7 +4,8 @@
 //! Lines are only ever added, each with one write: whatever happens to the program, all lines but the
 //! last are whole, and a file without a line is done again.
 
-use super::inputs::Job;
+use super::files::Done;
+use super::inputs::{Failure, Job};
 use osculate::{Error, MeshReport};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -20,7 +21,7 @@ pub(super) const NAME: &str = "osculate-batch.jsonl";
 /// What became of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Status {
+pub enum Status {
     /// Written.
     Done,
     /// Written, but the input was repaired or has defects: exit code 3 of `annotate`.
@@ -31,16 +32,25 @@ pub(super) enum Status {
 
 /// Counts of a mesh, as in `--stats`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Counts {
-    faces: usize,
-    vertices: usize,
-    components: usize,
-    boundary_loops: usize,
-    degenerate_faces: usize,
-    duplicate_faces: usize,
-    non_finite_faces: usize,
-    flipped_faces: usize,
-    non_manifold_edges: usize,
+pub struct Counts {
+    /// Triangles.
+    pub faces: usize,
+    /// Welded vertices that a face uses.
+    pub vertices: usize,
+    /// Faces connected over edges with two faces.
+    pub components: usize,
+    /// Loops of boundary edges.
+    pub boundary_loops: usize,
+    /// Faces without area.
+    pub degenerate_faces: usize,
+    /// Second and later faces over the same vertices.
+    pub duplicate_faces: usize,
+    /// Faces with a NaN or infinite coordinate.
+    pub non_finite_faces: usize,
+    /// Faces that wind against the majority of their component.
+    pub flipped_faces: usize,
+    /// Edges with three or more faces.
+    pub non_manifold_edges: usize,
 }
 
 impl Counts {
@@ -93,6 +103,19 @@ impl Record {
             input_bytes: job.bytes,
             input_modified: seconds(job.modified),
         }
+    }
+
+    /// A record of what is no file.
+    pub(super) fn of_failure(failure: &Failure, settings: &str) -> Self {
+        let message = format!("{}: {}", failure.input.display(), failure.message);
+        let job = Job { input: failure.input.clone(), output: PathBuf::new(), bytes: 0, modified: UNIX_EPOCH };
+        Record { output: None, message: Some(message), ..Record::of(&job, settings) }
+    }
+
+    /// The record with what became of the job.
+    pub(super) fn with(self, done: Done) -> Self {
+        let Done { status, message, counts, seconds, .. } = done;
+        Record { status, message, counts, seconds, ..self }
     }
 
     /// True when what the record tells of is what the job would make: from the same input, with the

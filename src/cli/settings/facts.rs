@@ -1,8 +1,8 @@
 //! What settings there are, for bindings that check or document them.
 
 use super::super::args::{
-    AnnotateArgs, ArraysCall, BuildCall, ColorsArgs, DiskCall, EstimateCall, InspectCall, PlaneArgs, ReadCall,
-    TraceCall,
+    AnnotateArgs, ArraysCall, BatchArgs, BuildCall, ColorsArgs, DiskCall, EstimateCall, InspectCall, PlaneArgs,
+    ReadCall, TraceCall,
 };
 use clap::{Arg, ArgAction, Args, Command};
 use serde::Serialize;
@@ -47,6 +47,7 @@ pub fn facts(call: &str) -> Option<Vec<SettingFacts>> {
         "annotate" => of::<ArraysCall>,
         "estimate" => of::<EstimateCall>,
         "convert" => of::<AnnotateArgs>,
+        "batch" => of::<BatchArgs>,
         "inspect" => of::<InspectCall>,
         "colors" => of::<ColorsArgs>,
         "disk" => of::<DiskCall>,
@@ -62,7 +63,7 @@ fn of<T: Args>() -> Vec<SettingFacts> {
 }
 
 /// Options that say where to and how loudly, which a call says otherwise.
-const NO_SETTINGS: [&str; 4] = ["output", "verbose", "quiet", "log"];
+const NO_SETTINGS: [&str; 5] = ["output", "resume", "verbose", "quiet", "log"];
 
 pub(super) fn settings_of(command: &Command) -> Vec<SettingFacts> {
     let is_setting = |arg: &&Arg| !arg.is_positional() && !NO_SETTINGS.contains(&arg.get_id().as_str());
