@@ -8,6 +8,7 @@ mod options;
 mod osculating;
 mod perimeter;
 mod radius;
+mod sections;
 mod tangent;
 mod values;
 
@@ -16,23 +17,55 @@ pub use method::Method;
 pub use options::{CurvatureOptions, Estimator, Radius};
 pub use values::FaceCurvature;
 
-use crate::disk::{Diameter, Disk, Frame};
+use crate::disk::{Diameter, Disk, Frame, Leg};
 use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::place::Place;
-use crate::progress::{Progress, Stage};
+use crate::progress::{NoProgress, Progress, Stage};
 use euler::{EulerFit, Principal};
 use radius::RadiusSearch;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A normal curvature as one diameter shows it.
+/// A normal curvature as one diameter shows it, or as several do side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sample {
+struct Sample<R = f64> {
     /// Signed normal curvature.
-    curvature: f64,
+    curvature: R,
     /// How much the diameter can say, relative to the face's other diameters; 0 for nothing.
-    weight: f64,
+    weight: R,
+}
+
+/// What formula (1) needs of a diameter.
+#[derive(Clone, Copy, Debug)]
+struct Section<R> {
+    forward: Part<R>,
+    backward: Part<R>,
+}
+
+/// What formula (1) needs of a leg, see [`Leg`].
+#[derive(Clone, Copy, Debug)]
+struct Part<R> {
+    length: R,
+    excess: R,
+    /// Of the end, above the face.
+    height: R,
+    first: R,
+    moments: [R; 2],
+}
+
+impl Section<f64> {
+    /// A diameter, measured in units.
+    fn of(diameter: &Diameter<'_>, unit: f64) -> Self {
+        let part = |leg: &Leg| Part {
+            length: leg.length / unit,
+            excess: leg.excess / unit,
+            height: leg.end.y / unit,
+            first: leg.first / unit,
+            moments: [leg.moments[0] / (unit * unit), leg.moments[1] / (unit * unit * unit)],
+        };
+        Section { forward: part(diameter.forward), backward: part(diameter.backward) }
+    }
 }
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
@@ -52,15 +85,11 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     let count = mesh.face_count();
     let fixed = options.fixed_radius(mesh);
     progress.begin(Stage::Estimate, count as u64);
-    let (ordered, numbers) = mesh.in_order();
-    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; count];
-    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
-    drop(ordered);
-    let mut values = vec![FaceCurvature::NOT_ESTIMATED; count];
-    for (face, value) in numbers.iter().zip(&in_order) {
-        values[face.index()] = *value;
-    }
-    drop(in_order);
+    let by_sections = match options.estimator {
+        Estimator::Osculating | Estimator::Osculating3 => sections::estimate(mesh, options, fixed, progress),
+        Estimator::Auto | Estimator::Tangent => None,
+    };
+    let mut values = by_sections.unwrap_or_else(|| in_order(mesh, options, fixed, progress));
     values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..count as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
@@ -69,6 +98,24 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     }
     progress.end();
     Ok(values)
+}
+
+/// Estimates all faces of a mesh but its duplicates, in an order that is good for caches.
+fn in_order(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    fixed: Option<f64>,
+    progress: &dyn Progress,
+) -> Vec<FaceCurvature> {
+    let (ordered, numbers) = mesh.in_order();
+    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; mesh.face_count()];
+    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
+    drop(ordered);
+    let mut values = vec![FaceCurvature::NOT_ESTIMATED; mesh.face_count()];
+    for (face, value) in numbers.iter().zip(&in_order) {
+        values[face.index()] = *value;
+    }
+    values
 }
 
 /// Estimates all faces of a mesh but its duplicates.
@@ -93,8 +140,14 @@ fn estimate_in_order(
     });
 }
 
-/// Adds the perimeter estimate of every face, from a disk.
+/// Adds the perimeter estimate of every face that has an estimate.
 fn add_perimeters(mesh: &Mesh, options: &CurvatureOptions, fixed: Option<f64>, values: &mut [FaceCurvature]) {
+    if let Some(sections) = sections::estimate(mesh, options, fixed, &NoProgress) {
+        for (value, section) in values.iter_mut().zip(sections).filter(|(value, _)| value.is_estimated()) {
+            value.gauss_perimeter = section.gauss_perimeter;
+        }
+        return;
+    }
     values.par_iter_mut().enumerate().for_each_init(Disk::new, |disk, (f, value)| {
         let face = Face(f as u32);
         if value.is_estimated()
@@ -137,27 +190,31 @@ pub(crate) fn curvature_at(
     loop {
         disk.walk(mesh, face, frame, radius, options.diameters);
         let principal = principal(disk, options);
-        match search.next(disk, &principal) {
+        let turn = radius * principal.largest();
+        let is_blind = || disk.legs().iter().all(|leg| leg.length <= leg.first);
+        match search.next(radius, turn, is_blind) {
             Some(next) => radius = next,
             None => return value_of(disk, frame, principal, options),
         }
     }
 }
 
-type Formula = fn(&Diameter<'_>) -> Option<Sample>;
-
-fn formula(estimator: Estimator) -> Formula {
-    match estimator {
-        Estimator::Auto | Estimator::Osculating => osculating::exact_arc,
-        Estimator::Osculating3 => osculating::third_order,
-        Estimator::Tangent => tangent::turning,
-    }
+/// What a diameter shows, if anything. Lengths are taken in a unit near the diameter's own length.
+fn sample(diameter: &Diameter<'_>, estimator: Estimator, unit: f64) -> Option<Sample> {
+    let section = || Section::of(diameter, unit);
+    let found = match estimator {
+        Estimator::Auto | Estimator::Osculating => osculating::exact_arc(&section()),
+        Estimator::Osculating3 => osculating::third_order(&section()),
+        Estimator::Tangent => return tangent::turning(diameter),
+    };
+    (found.weight > 0.0).then_some(Sample { curvature: found.curvature / unit, ..found })
 }
 
 /// The signed normal curvature that a single diameter shows; `None` where it stays inside the plane
 /// of its face and says nothing.
 pub fn normal_curvature(diameter: &Diameter<'_>, estimator: Estimator) -> Option<f64> {
-    formula(estimator)(diameter).map(|sample| sample.curvature)
+    let unit = diameter.forward.length + diameter.backward.length;
+    sample(diameter, estimator, unit).map(|sample| sample.curvature)
 }
 
 /// Reads the curvature of a face off its disk.
@@ -171,13 +228,12 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
     value_of(disk, frame, principal(disk, options), options)
 }
 
-/// Principal curvatures and their angle, by a fit over all diameters.
+/// Principal curvatures and their directions, by a fit over all diameters.
 fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
-    let formula = formula(options.estimator);
     let mut fit = EulerFit::new();
     for diameter in disk.diameters() {
-        if let Some(sample) = formula(&diameter) {
-            fit.add(diameter.angle, sample);
+        if let Some(sample) = sample(&diameter, options.estimator, disk.radius()) {
+            fit.add(&euler::terms(diameter.angle), sample);
         }
     }
     fit.solve()
@@ -185,19 +241,32 @@ fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
 
 /// Everything a face gets from its disk.
 fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
-    let Principal { k_max, k_min, angle } = principal;
-    let direction = frame.direction(angle);
+    let gauss_perimeter = perimeter::gauss(disk).unwrap_or(f64::NAN);
+    value_from(frame, &principal, disk.radius(), gauss_perimeter, disk.coverage(), options)
+}
+
+fn value_from(
+    frame: &Frame,
+    principal: &Principal,
+    radius: f64,
+    gauss_perimeter: f64,
+    coverage: f64,
+    options: &CurvatureOptions,
+) -> FaceCurvature {
+    let Principal { k_max, k_min, direction: [cos, sin] } = *principal;
+    let direction = cos * frame.x + sin * frame.y;
     FaceCurvature {
         k_max: k_max as f32,
         k_min: k_min as f32,
         dir_max: direction.as_vec3(),
         dir_min: frame.normal.cross(direction).as_vec3(),
-        gauss_perimeter: perimeter::gauss(disk).unwrap_or(f64::NAN) as f32,
-        radius: disk.radius() as f32,
-        coverage: disk.coverage() as f32,
-        confidence: confidence_of_sections(disk) as f32,
+        gauss_perimeter: gauss_perimeter as f32,
+        radius: radius as f32,
+        coverage: coverage as f32,
+        // Sections are a few percent off where the disk is whole, and the more the less of it there is.
+        confidence: (0.5 * coverage) as f32,
         method: Method::Sections,
-        class: FaceClass::of(k_max, k_min, disk.radius(), options.class_tolerance),
+        class: FaceClass::of(k_max, k_min, radius, options.class_tolerance),
     }
 }
 
@@ -212,9 +281,4 @@ pub fn disk_at(mesh: &Mesh, place: Place, options: &CurvatureOptions) -> Result<
     let mut disk = Disk::new();
     let value = curvature_at(mesh, place.face, &frame, options, options.fixed_radius(mesh), &mut disk);
     Ok((disk, frame, value))
-}
-
-/// Sections are a few percent off where the disk is whole, and the more the less of it there is.
-fn confidence_of_sections(disk: &Disk) -> f64 {
-    0.5 * disk.coverage()
 }

@@ -20,7 +20,7 @@ mod first;
 mod frame;
 mod ground;
 mod implicit;
-mod lanes;
+pub(super) mod lanes;
 mod least_squares;
 mod marks;
 mod one_sided;
