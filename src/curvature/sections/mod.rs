@@ -105,7 +105,13 @@ struct Case {
 
 impl<'s> Worker<'s> {
     fn new(survey: &'s Survey<'s>) -> Self {
-        Worker { survey, legs: Legs::new(&survey.directions), fits: EulerFit::new(), ends: Vec::new(), disk: Disk::new() }
+        Worker {
+            survey,
+            legs: Legs::new(&survey.directions),
+            fits: EulerFit::new(),
+            ends: Vec::new(),
+            disk: Disk::new(),
+        }
     }
 
     /// Estimates faces that follow one another in the order, the first of them at `first`.
@@ -261,6 +267,7 @@ mod tests {
                     assert_eq!(bits(a), bits(b), "{face:?}");
                 }
                 fast.close(2 * diameters);
+                plain.close(2 * diameters);
                 let [mut fits, mut plain_fits] = [EulerFit::new(); 2];
                 let reading = survey.reader.read(&fast, &mut fits, 1);
                 assert_eq!(reading, survey.reader.read_portable(&fast, &mut plain_fits, 1), "{face:?}");
