@@ -303,7 +303,7 @@ fn copies_and_broken_faces_leave_the_others_alone() {
     points.push([f64::NAN, 0.0, 0.0]);
     let bad = points.len() as u32 - 1;
     let copy = soup.triangles[100];
-    let mut faces = soup.triangles.clone();
+    let mut faces = soup.triangles;
     faces.extend([[copy[0], copy[2], copy[1]], [copy[0], copy[0], copy[1]], [copy[0], copy[1], bad]]);
     let found = values(&mesh_of(&soup_of(points, faces)), &options);
     let n = clean.len();

@@ -64,8 +64,8 @@ impl<R: Real> EulerFit<R> {
     pub(super) fn add(&mut self, terms: &[R; TERMS], sample: Sample<R>) {
         for i in 0..TERMS {
             let weighed = sample.weight * terms[i];
-            for j in 0..=i {
-                self.gram[i][j] += weighed * terms[j];
+            for (entry, &term) in self.gram[i][..=i].iter_mut().zip(terms) {
+                *entry += weighed * term;
             }
             self.right[i] += weighed * sample.curvature;
         }
@@ -104,23 +104,23 @@ impl<R: Real> EulerFit<R> {
             let mut y = self.right[i];
             for j in 0..i {
                 let mut rest = self.gram[i][j];
-                for k in 0..j {
-                    rest -= l[i][k] * l[j][k];
+                for (&a, &b) in l[i][..j].iter().zip(&l[j]) {
+                    rest -= a * b;
                 }
                 l[i][j] = rest * inverse[j];
                 y -= l[i][j] * x[j];
             }
             let ridge = scale * RIDGE[i];
             let mut rest = self.gram[i][i] + ridge;
-            for k in 0..i {
-                rest -= l[i][k] * l[i][k];
+            for &a in &l[i][..i] {
+                rest -= a * a;
             }
             inverse[i] = one / rest.max(ridge).sqrt();
             x[i] = y * inverse[i];
         }
         for i in (0..TERMS).rev() {
             for j in i + 1..TERMS {
-                x[i] = x[i] - l[j][i] * x[j];
+                x[i] -= l[j][i] * x[j];
             }
             x[i] = scale.if_positive(x[i] * inverse[i], zero);
         }

@@ -38,21 +38,23 @@ pub(super) struct End {
 /// that a disk without height is flat.
 pub(super) fn gauss(disk: &Disk) -> Option<f64> {
     let radius = disk.radius();
-    let ends = disk.legs().iter().map(|leg| End {
-        place: [leg.end.x / radius, leg.end.y / radius],
-        is_whole: leg.stop == Stop::Length,
-        aside: leg.aside,
-        excess: leg.excess / radius,
-    });
-    gauss_of(ends).map(|k| k / (radius * radius))
+    let legs = disk.legs();
+    let end = |i: usize| End {
+        place: [legs[i].end.x / radius, legs[i].end.y / radius],
+        is_whole: legs[i].stop == Stop::Length,
+        aside: legs[i].aside,
+        excess: legs[i].excess / radius,
+    };
+    gauss_of(legs.len(), end).map(|k| k / (radius * radius))
 }
 
 /// The same for the ends of all legs, by angle over the full turn, times the square of the radius.
-pub(super) fn gauss_of(ends: impl ExactSizeIterator<Item = End> + Clone) -> Option<f64> {
-    let step = 2.0 * PI / ends.len() as f64;
+pub(super) fn gauss_of(count: usize, end: impl Fn(usize) -> End) -> Option<f64> {
+    let step = 2.0 * PI / count as f64;
     let (sin, cos) = step.sin_cos();
     let (mut length, mut flat) = (0.0, 0.0);
-    for (end, next) in ends.clone().zip(ends.clone().cycle().skip(1)) {
+    for i in 0..count {
+        let (end, next) = (end(i), end((i + 1) % count));
         if end.is_whole && next.is_whole {
             length += rim(end.place, next.place, [cos, sin]);
             flat += 2.0 * (0.5 * (step + next.aside - end.aside)).sin();
@@ -61,7 +63,7 @@ pub(super) fn gauss_of(ends: impl ExactSizeIterator<Item = End> + Clone) -> Opti
     if flat > 0.0 {
         return Some(6.0 * (1.0 - length / flat));
     }
-    ends.clone().all(|end| end.excess <= 1e-12).then_some(0.0)
+    (0..count).all(|i| end(i).excess <= 1e-12).then_some(0.0)
 }
 
 /// Distance of two leg ends whose directions differ by a turn (cosine and sine).

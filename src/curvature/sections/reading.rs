@@ -82,7 +82,7 @@ impl Reader {
             let aside = if is_whole(i) && is_beside_gap { aside(i) } else { 0.0 };
             End { place: [length - excess, height], is_whole: is_whole(i), aside, excess }
         }));
-        gauss_of(ends.iter().copied())
+        gauss_of(count, |i| ends[i])
     }
 
     /// True when no section passes an edge.
