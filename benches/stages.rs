@@ -171,6 +171,7 @@ fn estimating(criterion: &mut Criterion) {
             (Estimator::Auto, Radius::Auto, 1),
             (Estimator::Auto, Radius::Auto, 2),
             (Estimator::Osculating, Radius::FaceFactor(3.0), 1),
+            (Estimator::Osculating, Radius::FaceFactor(3.0), 2),
             (Estimator::Tangent, Radius::FaceFactor(3.0), 1),
         ] {
             let options = CurvatureOptions { estimator, radius, ..AnnotateOptions::default().curvature };
@@ -184,5 +185,22 @@ fn estimating(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, meshing, reading_and_writing, estimating);
+/// The walk by the radius: time grows with the edges that legs cross.
+fn walking(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("walk");
+    group.sample_size(10);
+    let mesh = Mesh::from_soup(&torus(FACES / 5), &MeshOptions::default()).expect("a mesh");
+    group.throughput(Throughput::Elements(mesh.face_count() as u64));
+    for factor in [1.0, 2.0, 4.0, 8.0] {
+        let radius = Radius::FaceFactor(factor);
+        let options = CurvatureOptions { estimator: Estimator::Osculating, radius, ..CurvatureOptions::default() };
+        let pool = pool(1);
+        group.bench_function(BenchmarkId::new("osculating", factor), |b| {
+            b.iter(|| pool.install(|| estimate(&mesh, &options, &NoProgress).expect("valid options")));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, meshing, reading_and_writing, estimating, walking);
 criterion_main!(benches);

@@ -37,13 +37,17 @@ impl Frame {
     }
 
     fn around(mesh: &Mesh, face: Face, centre: DVec3) -> Option<Self> {
-        let normal = mesh.normal(face);
         let [a, b, c] = mesh.triangle(face);
-        let longest = [b - a, c - b, a - c]
-            .into_iter()
-            .reduce(|l, e| if e.length_squared() > l.length_squared() { e } else { l })?;
+        let up = (b - a).cross(c - a).try_normalize()?;
+        let normal = if mesh.is_flipped(face) { -up } else { up };
+        let mut longest = b - a;
+        for edge in [c - b, a - c] {
+            if edge.length_squared() > longest.length_squared() {
+                longest = edge;
+            }
+        }
         let x = (longest - longest.dot(normal) * normal).try_normalize()?;
-        (normal != DVec3::ZERO).then(|| Frame { centre, normal, x, y: normal.cross(x) })
+        Some(Frame { centre, normal, x, y: normal.cross(x) })
     }
 
     /// A point given in the plane coordinates of a direction.

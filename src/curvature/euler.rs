@@ -11,22 +11,31 @@
 //! exact there too.
 
 use super::Sample;
+use super::fit::lanes::Real;
 
-/// Principal curvatures and the angle of the direction of k_max.
+/// Principal curvatures and the direction of k_max.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Principal {
-    pub(super) k_max: f64,
-    pub(super) k_min: f64,
-    pub(super) angle: f64,
+pub(super) struct Principal<R = f64> {
+    pub(super) k_max: R,
+    pub(super) k_min: R,
+    /// Cosine and sine of the angle of the direction of k_max, the cosine zero or more.
+    pub(super) direction: [R; 2],
 }
 
-const TERMS: usize = 5;
+impl Principal {
+    /// The larger of both curvatures without their signs.
+    pub(super) fn largest(&self) -> f64 {
+        self.k_max.abs().max(self.k_min.abs())
+    }
+}
+
+pub(super) const TERMS: usize = 5;
 
 /// Normal equations of the fit, lower triangle.
-#[derive(Clone, Debug)]
-pub(super) struct EulerFit {
-    gram: [[f64; TERMS]; TERMS],
-    right: [f64; TERMS],
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct EulerFit<R = f64> {
+    pub(super) gram: [[R; TERMS]; TERMS],
+    pub(super) right: [R; TERMS],
 }
 
 /// Weight of the wish for zero, per term, against that of one full diameter.
@@ -37,58 +46,83 @@ pub(super) struct EulerFit {
 /// held back.
 const RIDGE: [f64; TERMS] = [1e-9, 1e-9, 1e-9, 0.05, 0.05];
 
-impl EulerFit {
+/// The terms of the fit in the direction of an angle.
+pub(super) fn terms(angle: f64) -> [f64; TERMS] {
+    let (sin, cos) = (2.0 * angle).sin_cos();
+    [1.0, cos, sin, cos * cos - sin * sin, 2.0 * sin * cos]
+}
+
+impl<R: Real> EulerFit<R> {
+    #[inline(always)]
     pub(super) fn new() -> Self {
-        EulerFit { gram: [[0.0; TERMS]; TERMS], right: [0.0; TERMS] }
+        let zero = R::splat(0.0);
+        EulerFit { gram: [[zero; TERMS]; TERMS], right: [zero; TERMS] }
     }
 
-    pub(super) fn add(&mut self, angle: f64, sample: Sample) {
-        let (sin, cos) = (2.0 * angle).sin_cos();
-        let row = [1.0, cos, sin, cos * cos - sin * sin, 2.0 * sin * cos];
+    /// Adds what a section shows in the direction that [`terms`] are of.
+    #[inline(always)]
+    pub(super) fn add(&mut self, terms: &[R; TERMS], sample: Sample<R>) {
         for i in 0..TERMS {
-            for j in 0..=i {
-                self.gram[i][j] += sample.weight * row[i] * row[j];
+            let weighed = sample.weight * terms[i];
+            for (entry, &term) in self.gram[i][..=i].iter_mut().zip(terms) {
+                *entry += weighed * term;
             }
-            self.right[i] += sample.weight * row[i] * sample.curvature;
+            self.right[i] += weighed * sample.curvature;
         }
     }
 
     /// The fitted principal curvatures; zero where no sample had any weight.
-    pub(super) fn solve(&self) -> Principal {
+    #[inline(always)]
+    pub(super) fn solve(&self) -> Principal<R> {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let [mean, a, b, c, d] = self.coefficients();
-        let amplitude = a.hypot(b);
+        let squared = a * a + b * b;
+        let amplitude = squared.sqrt();
         // At the angle of k_max, 4 t is twice the angle of (a, b).
-        let fourth =
-            if amplitude > 0.0 { (c * (a * a - b * b) + d * 2.0 * a * b) / (amplitude * amplitude) } else { 0.0 };
-        let (along, across) = (mean + amplitude + fourth, mean - amplitude + fourth);
-        Principal { k_max: along, k_min: across, angle: 0.5 * b.atan2(a) }
+        let fourth = squared.if_positive((c * (a * a - b * b) + d * a * b * 2.0) / squared, zero);
+        // Half the angle of (a, b): its larger part by the root, the other from their product.
+        let larger = ((one + a.abs() / amplitude) * 0.5).sqrt();
+        let lesser = b.abs() / (amplitude * larger * 2.0);
+        let sign = b.select(one, -one);
+        let [x, y] = [a.select(larger, lesser), sign * a.select(lesser, larger)];
+        Principal {
+            k_max: mean + amplitude + fourth,
+            k_min: mean - amplitude + fourth,
+            direction: [squared.if_positive(x, one), squared.if_positive(y, zero)],
+        }
     }
 
     /// Solves the normal equations by Cholesky's factorisation; the ridge keeps every pivot positive.
-    fn coefficients(&self) -> [f64; TERMS] {
+    #[inline(always)]
+    fn coefficients(&self) -> [R; TERMS] {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let scale = self.gram[0][0];
-        let mut x = [0.0; TERMS];
-        if scale <= 0.0 {
-            return x;
-        }
-        let mut l = [[0.0; TERMS]; TERMS];
+        let mut x = [zero; TERMS];
+        let mut l = [[zero; TERMS]; TERMS];
+        let mut inverse = [zero; TERMS];
         for i in 0..TERMS {
             let mut y = self.right[i];
             for j in 0..i {
-                let dot: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-                l[i][j] = (self.gram[i][j] - dot) / l[j][j];
+                let mut rest = self.gram[i][j];
+                for (&a, &b) in l[i][..j].iter().zip(&l[j]) {
+                    rest -= a * b;
+                }
+                l[i][j] = rest * inverse[j];
                 y -= l[i][j] * x[j];
             }
-            let dot: f64 = (0..i).map(|k| l[i][k] * l[i][k]).sum();
-            let ridge = RIDGE[i] * scale;
-            l[i][i] = (self.gram[i][i] + ridge - dot).max(ridge).sqrt();
-            x[i] = y / l[i][i];
+            let ridge = scale * RIDGE[i];
+            let mut rest = self.gram[i][i] + ridge;
+            for &a in &l[i][..i] {
+                rest -= a * a;
+            }
+            inverse[i] = one / rest.max(ridge).sqrt();
+            x[i] = y * inverse[i];
         }
         for i in (0..TERMS).rev() {
             for j in i + 1..TERMS {
                 x[i] -= l[j][i] * x[j];
             }
-            x[i] /= l[i][i];
+            x[i] = scale.if_positive(x[i] * inverse[i], zero);
         }
         x
     }
@@ -100,9 +134,9 @@ mod tests {
     use std::f64::consts::PI;
 
     fn fit(samples: impl IntoIterator<Item = (f64, f64, f64)>) -> Principal {
-        let mut fit = EulerFit::new();
+        let mut fit = EulerFit::<f64>::new();
         for (angle, curvature, weight) in samples {
-            fit.add(angle, Sample { curvature, weight });
+            fit.add(&terms(angle), Sample { curvature, weight });
         }
         fit.solve()
     }
@@ -114,17 +148,35 @@ mod tests {
             fit((0..12)
                 .map(|i| (f64::from(i) * PI / 12.0, curvature(f64::from(i) * PI / 12.0), 0.1 + f64::from(i % 5))));
         assert!((p.k_max - 2.0).abs() < 1e-6 && (p.k_min + 5.0).abs() < 1e-6, "{p:?}");
-        assert!((p.angle - 0.3).abs() < 1e-6, "{p:?}");
+        assert!((p.direction[1].atan2(p.direction[0]) - 0.3).abs() < 1e-6, "{p:?}");
     }
 
     #[test]
     fn one_diameter_means_a_cylinder() {
         let p = fit([(0.7, 4.0, 1.0)]);
-        assert!((p.k_max - 4.0).abs() < 1e-6 && p.k_min.abs() < 1e-6 && (p.angle - 0.7).abs() < 1e-6, "{p:?}");
+        assert!(
+            (p.k_max - 4.0).abs() < 1e-6
+                && p.k_min.abs() < 1e-6
+                && (p.direction[1].atan2(p.direction[0]) - 0.7).abs() < 1e-6,
+            "{p:?}"
+        );
     }
 
     #[test]
     fn no_weight_means_flat() {
-        assert_eq!(fit([(0.0, 3.0, 0.0)]), Principal { k_max: 0.0, k_min: 0.0, angle: 0.0 });
+        assert_eq!(fit([(0.0, 3.0, 0.0)]), Principal { k_max: 0.0, k_min: 0.0, direction: [1.0, 0.0] });
+    }
+
+    /// In every quadrant of the two terms.
+    #[test]
+    fn the_direction_is_half_the_angle_of_the_second_harmonic() {
+        for i in -17..=18 {
+            let angle = f64::from(i) * PI / 36.0;
+            let curvature = |t: f64| 1.0 + 3.0 * (2.0 * (t - angle)).cos();
+            let p = fit((0..8).map(|i| (f64::from(i) * PI / 8.0, curvature(f64::from(i) * PI / 8.0), 1.0)));
+            let [x, y] = p.direction;
+            assert!(x >= 0.0 && (x * x + y * y - 1.0).abs() < 1e-12, "{angle}: {p:?}");
+            assert!((x * angle.sin() - y * angle.cos()).abs() < 1e-7, "{angle}: {p:?}");
+        }
     }
 }

@@ -8,6 +8,7 @@ mod options;
 mod osculating;
 mod perimeter;
 mod radius;
+mod sections;
 mod tangent;
 mod values;
 
@@ -16,23 +17,55 @@ pub use method::Method;
 pub use options::{CurvatureOptions, Estimator, Radius};
 pub use values::FaceCurvature;
 
-use crate::disk::{Diameter, Disk, Frame};
+use crate::disk::{Diameter, Disk, Frame, Leg};
 use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::place::Place;
-use crate::progress::{Progress, Stage};
+use crate::progress::{NoProgress, Progress, Stage};
 use euler::{EulerFit, Principal};
 use radius::RadiusSearch;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A normal curvature as one diameter shows it.
+/// A normal curvature as one diameter shows it, or as several do side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sample {
+struct Sample<R = f64> {
     /// Signed normal curvature.
-    curvature: f64,
+    curvature: R,
     /// How much the diameter can say, relative to the face's other diameters; 0 for nothing.
-    weight: f64,
+    weight: R,
+}
+
+/// What formula (1) needs of a diameter.
+#[derive(Clone, Copy, Debug)]
+struct Section<R> {
+    forward: Part<R>,
+    backward: Part<R>,
+}
+
+/// What formula (1) needs of a leg, see [`Leg`].
+#[derive(Clone, Copy, Debug)]
+struct Part<R> {
+    length: R,
+    excess: R,
+    /// Of the end, above the face.
+    height: R,
+    first: R,
+    moments: [R; 2],
+}
+
+impl Section<f64> {
+    /// A diameter, measured in units.
+    fn of(diameter: &Diameter<'_>, unit: f64) -> Self {
+        let part = |leg: &Leg| Part {
+            length: leg.length / unit,
+            excess: leg.excess / unit,
+            height: leg.end.y / unit,
+            first: leg.first / unit,
+            moments: [leg.moments[0] / (unit * unit), leg.moments[1] / (unit * unit * unit)],
+        };
+        Section { forward: part(diameter.forward), backward: part(diameter.backward) }
+    }
 }
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
@@ -48,9 +81,12 @@ const CHUNK: usize = 4096;
 /// # Errors
 /// [`Error::Usage`] for options out of range.
 pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Vec<FaceCurvature>, Error> {
-    let (_, mut values) = estimate_owned(mesh.surface(), options, progress)?;
-    copy_to_duplicates(mesh, &mut values);
-    Ok(values)
+    let fixed = begin(mesh, options, progress)?;
+    let values = match by_sections(mesh, options, fixed, progress) {
+        Some(values) => values,
+        None => in_order(mesh.surface(), options, fixed, progress).1,
+    };
+    Ok(finish(mesh, values, progress))
 }
 
 /// The same for a mesh that may be put in another order meanwhile, which saves a copy of it.
@@ -62,28 +98,59 @@ pub(crate) fn estimate_owned(
     options: &CurvatureOptions,
     progress: &dyn Progress,
 ) -> Result<(Mesh, Vec<FaceCurvature>), Error> {
-    options.check_for(&mesh)?;
-    let count = mesh.face_count();
-    let fixed = options.fixed_radius(&mesh);
-    progress.begin(Stage::Estimate, count as u64);
-    let (ordered, order) = mesh.into_order();
-    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; count];
-    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
-    let mut values = order.sorted(&in_order);
-    drop(in_order);
-    let mesh = ordered.back_to(order);
-    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
-    copy_to_duplicates(&mesh, &mut values);
-    progress.end();
+    let fixed = begin(&mesh, options, progress)?;
+    let (mesh, values) = match by_sections(&mesh, options, fixed, progress) {
+        Some(values) => (mesh, values),
+        None => in_order(mesh, options, fixed, progress),
+    };
+    let values = finish(&mesh, values, progress);
     Ok((mesh, values))
 }
 
-fn copy_to_duplicates(mesh: &Mesh, values: &mut [FaceCurvature]) {
+/// The radius, where it is the same for all faces.
+fn begin(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Result<Option<f64>, Error> {
+    options.check_for(mesh)?;
+    progress.begin(Stage::Estimate, mesh.face_count() as u64);
+    Ok(options.fixed_radius(mesh))
+}
+
+fn finish(mesh: &Mesh, mut values: Vec<FaceCurvature>, progress: &dyn Progress) -> Vec<FaceCurvature> {
+    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for f in (0..values.len() as u32).map(Face) {
         if let Some(original) = mesh.duplicate_of(f) {
             values[f.index()] = values[original.index()];
         }
     }
+    progress.end();
+    values
+}
+
+/// Estimates all faces of a mesh but its duplicates by many sections at a time, where the options ask for sections.
+fn by_sections(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    fixed: Option<f64>,
+    progress: &dyn Progress,
+) -> Option<Vec<FaceCurvature>> {
+    match options.estimator {
+        Estimator::Osculating | Estimator::Osculating3 => sections::estimate(mesh, options, fixed, progress),
+        Estimator::Auto | Estimator::Tangent => None,
+    }
+}
+
+/// Estimates all faces of a mesh but its duplicates, in an order that is good for caches, and brings the mesh back.
+fn in_order(
+    mesh: Mesh,
+    options: &CurvatureOptions,
+    fixed: Option<f64>,
+    progress: &dyn Progress,
+) -> (Mesh, Vec<FaceCurvature>) {
+    let (ordered, order) = mesh.into_order();
+    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; ordered.face_count()];
+    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
+    let values = order.sorted(&in_order);
+    drop(in_order);
+    (ordered.back_to(order), values)
 }
 
 /// Estimates all faces of a mesh but its duplicates.
@@ -108,8 +175,14 @@ fn estimate_in_order(
     });
 }
 
-/// Adds the perimeter estimate of every face, from a disk.
+/// Adds the perimeter estimate of every face that has an estimate.
 fn add_perimeters(mesh: &Mesh, options: &CurvatureOptions, fixed: Option<f64>, values: &mut [FaceCurvature]) {
+    if let Some(sections) = sections::estimate(mesh, options, fixed, &NoProgress) {
+        for (value, section) in values.iter_mut().zip(sections).filter(|(value, _)| value.is_estimated()) {
+            value.gauss_perimeter = section.gauss_perimeter;
+        }
+        return;
+    }
     values.par_iter_mut().enumerate().for_each_init(Disk::new, |disk, (f, value)| {
         let face = Face(f as u32);
         if value.is_estimated()
@@ -152,27 +225,31 @@ pub(crate) fn curvature_at(
     loop {
         disk.walk(mesh, face, frame, radius, options.diameters);
         let principal = principal(disk, options);
-        match search.next(disk, &principal) {
+        let turn = radius * principal.largest();
+        let is_blind = || disk.legs().iter().all(|leg| leg.length <= leg.first);
+        match search.next(radius, turn, is_blind) {
             Some(next) => radius = next,
             None => return value_of(disk, frame, principal, options),
         }
     }
 }
 
-type Formula = fn(&Diameter<'_>) -> Option<Sample>;
-
-fn formula(estimator: Estimator) -> Formula {
-    match estimator {
-        Estimator::Auto | Estimator::Osculating => osculating::exact_arc,
-        Estimator::Osculating3 => osculating::third_order,
-        Estimator::Tangent => tangent::turning,
-    }
+/// What a diameter shows, if anything. Lengths are taken in a unit near the diameter's own length.
+fn sample(diameter: &Diameter<'_>, estimator: Estimator, unit: f64) -> Option<Sample> {
+    let section = || Section::of(diameter, unit);
+    let found = match estimator {
+        Estimator::Auto | Estimator::Osculating => osculating::exact_arc(&section()),
+        Estimator::Osculating3 => osculating::third_order(&section()),
+        Estimator::Tangent => return tangent::turning(diameter),
+    };
+    (found.weight > 0.0).then_some(Sample { curvature: found.curvature / unit, ..found })
 }
 
 /// The signed normal curvature that a single diameter shows; `None` where it stays inside the plane
 /// of its face and says nothing.
 pub fn normal_curvature(diameter: &Diameter<'_>, estimator: Estimator) -> Option<f64> {
-    formula(estimator)(diameter).map(|sample| sample.curvature)
+    let unit = diameter.forward.length + diameter.backward.length;
+    sample(diameter, estimator, unit).map(|sample| sample.curvature)
 }
 
 /// Reads the curvature of a face off its disk.
@@ -186,13 +263,12 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
     value_of(disk, frame, principal(disk, options), options)
 }
 
-/// Principal curvatures and their angle, by a fit over all diameters.
+/// Principal curvatures and their directions, by a fit over all diameters.
 fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
-    let formula = formula(options.estimator);
     let mut fit = EulerFit::new();
     for diameter in disk.diameters() {
-        if let Some(sample) = formula(&diameter) {
-            fit.add(diameter.angle, sample);
+        if let Some(sample) = sample(&diameter, options.estimator, disk.radius()) {
+            fit.add(&euler::terms(diameter.angle), sample);
         }
     }
     fit.solve()
@@ -200,19 +276,32 @@ fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
 
 /// Everything a face gets from its disk.
 fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
-    let Principal { k_max, k_min, angle } = principal;
-    let direction = frame.direction(angle);
+    let gauss_perimeter = perimeter::gauss(disk).unwrap_or(f64::NAN);
+    value_from(frame, &principal, disk.radius(), gauss_perimeter, disk.coverage(), options)
+}
+
+fn value_from(
+    frame: &Frame,
+    principal: &Principal,
+    radius: f64,
+    gauss_perimeter: f64,
+    coverage: f64,
+    options: &CurvatureOptions,
+) -> FaceCurvature {
+    let Principal { k_max, k_min, direction: [cos, sin] } = *principal;
+    let direction = cos * frame.x + sin * frame.y;
     FaceCurvature {
         k_max: k_max as f32,
         k_min: k_min as f32,
         dir_max: direction.as_vec3(),
         dir_min: frame.normal.cross(direction).as_vec3(),
-        gauss_perimeter: perimeter::gauss(disk).unwrap_or(f64::NAN) as f32,
-        radius: disk.radius() as f32,
-        coverage: disk.coverage() as f32,
-        confidence: confidence_of_sections(disk) as f32,
+        gauss_perimeter: gauss_perimeter as f32,
+        radius: radius as f32,
+        coverage: coverage as f32,
+        // Sections are a few percent off where the disk is whole, and the more the less of it there is.
+        confidence: (0.5 * coverage) as f32,
         method: Method::Sections,
-        class: FaceClass::of(k_max, k_min, disk.radius(), options.class_tolerance),
+        class: FaceClass::of(k_max, k_min, radius, options.class_tolerance),
     }
 }
 
@@ -227,9 +316,4 @@ pub fn disk_at(mesh: &Mesh, place: Place, options: &CurvatureOptions) -> Result<
     let mut disk = Disk::new();
     let value = curvature_at(mesh, place.face, &frame, options, options.fixed_radius(mesh), &mut disk);
     Ok((disk, frame, value))
-}
-
-/// Sections are a few percent off where the disk is whole, and the more the less of it there is.
-fn confidence_of_sections(disk: &Disk) -> f64 {
-    0.5 * disk.coverage()
 }

@@ -20,17 +20,75 @@
 //! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, section 2;
 //! the polygon's spread is our own.
 
-use super::Sample;
-use crate::disk::Diameter;
+use super::fit::lanes::Real;
+use super::{Sample, Section};
 
 /// Solves sin(alpha) / alpha = d / L exactly, for the polygon that the section is.
-pub(super) fn exact_arc(diameter: &Diameter<'_>) -> Option<Sample> {
-    sample(diameter, |deficit, polygon_share| half_turn((deficit / polygon_share).min(1.0)), share_of_arc)
+#[inline(always)]
+pub(super) fn exact_arc<R: Real>(section: &Section<R>) -> Sample<R> {
+    let arc = Arc::of(section);
+    let length = arc.length;
+    // The deficit's share of the length over the polygon's of a smooth arc's spread.
+    let deficit = arc.deficit * (length * length) / (arc.spread * 12.0);
+    let curvature = half_turn(deficit.max(R::splat(0.0)).min(R::splat(1.0))) * arc.two_over_length;
+    arc.sample(curvature * share_of_arc(section, arc.height, curvature))
 }
 
 /// The paper's third-order expansion.
-pub(super) fn third_order(diameter: &Diameter<'_>) -> Option<Sample> {
-    sample(diameter, |deficit, _| (6.0 * deficit).sqrt(), |height, _, _, _| if height > 0.0 { -1.0 } else { 1.0 })
+#[inline(always)]
+pub(super) fn third_order<R: Real>(section: &Section<R>) -> Sample<R> {
+    let arc = Arc::of(section);
+    let deficit = arc.deficit * arc.two_over_length * 0.5;
+    let curvature = (deficit.max(R::splat(0.0)).min(R::splat(1.0)) * 6.0).sqrt() * arc.two_over_length;
+    arc.sample(arc.height.if_positive(-curvature, curvature))
+}
+
+/// A section as an arc of a circle.
+struct Arc<R> {
+    length: R,
+    two_over_length: R,
+    /// L - d.
+    deficit: R,
+    /// Of the ends above the tangent plane, their sum. A surface bends away from its normal where they lie below.
+    height: R,
+    spread: R,
+}
+
+impl<R: Real> Arc<R> {
+    #[inline(always)]
+    fn of(section: &Section<R>) -> Self {
+        let (forward, backward) = (section.forward, section.backward);
+        let length = forward.length + backward.length;
+        let two_over_length = R::splat(2.0) / length;
+        // d = sqrt(U^2 + Z^2) with U the ends' distance along the plane and Z their difference in
+        // height; L - d is summed from parts that do not cancel.
+        let excess = forward.excess + backward.excess;
+        let along = length - excess;
+        let rise = forward.height - backward.height;
+        let rise_squared = rise * rise;
+        let chord = (along * along + rise_squared).sqrt();
+        let beyond = along.if_positive(rise_squared / (chord + along), chord - along);
+        Arc {
+            length,
+            two_over_length,
+            deficit: excess - beyond,
+            height: forward.height + backward.height,
+            spread: spread(section, two_over_length),
+        }
+    }
+
+    /// A diameter inside one face has no spread but its rounding, one of no length none at all; neither has
+    /// anything to say. An error e in L - d makes one of e / (k spread) in k: least squares weigh by its inverse
+    /// square.
+    #[inline(always)]
+    fn sample(&self, curvature: R) -> Sample<R> {
+        let smooth_spread = self.length * self.length * self.length * (1.0 / 12.0);
+        let (zero, has_spread) = (R::splat(0.0), self.spread - smooth_spread * 1e-9);
+        Sample {
+            curvature: has_spread.if_positive(curvature, zero),
+            weight: has_spread.if_positive(self.spread * self.spread, zero),
+        }
+    }
 }
 
 /// How much of the bending is an arc's: -1 to 1, negative where the ends lie above the tangent plane.
@@ -40,88 +98,58 @@ pub(super) fn third_order(diameter: &Diameter<'_>) -> Option<Sample> {
 /// it in full, with the sign of whatever is left of the heights, makes a small change of the mesh
 /// turn k over. Two thirds of the arc's heights count as an arc, since the centre of a face lies
 /// below the surface.
-fn share_of_arc(height: f64, curvature: f64, forward: f64, backward: f64) -> f64 {
-    let arc = fall(curvature, forward) + fall(curvature, backward);
-    if arc > 0.0 { (-1.5 * height / arc).clamp(-1.0, 1.0) } else { 0.0 }
+#[inline(always)]
+fn share_of_arc<R: Real>(section: &Section<R>, height: R, curvature: R) -> R {
+    let arc = fall(curvature, section.forward.length) + fall(curvature, section.backward.length);
+    let share = (height * -1.5 / arc).max(R::splat(-1.0)).min(R::splat(1.0));
+    arc.if_positive(share, R::splat(0.0))
 }
 
 /// (1 - cos k l) / k by its series, good to 2e-5 of itself up to the right angle at which legs end.
-fn fall(k: f64, l: f64) -> f64 {
+#[inline(always)]
+fn fall<R: Real>(k: R, l: R) -> R {
     let turn = (k * l) * (k * l);
-    0.5 * k * l * l * (1.0 - turn / 12.0 * (1.0 - turn / 30.0 * (1.0 - turn / 56.0)))
-}
-
-/// `alpha` gives half the arc's turn from 1 - d / L and the polygon's share of a smooth arc's spread;
-/// `sign` the factor -1 to 1 for the ends' height, the curvature and both legs' lengths.
-fn sample(
-    diameter: &Diameter<'_>,
-    alpha: impl Fn(f64, f64) -> f64,
-    sign: impl Fn(f64, f64, f64, f64) -> f64,
-) -> Option<Sample> {
-    let (forward, backward) = (diameter.forward, diameter.backward);
-    let length = forward.length + backward.length;
-    let spread = spread(diameter);
-    let smooth_spread = length * length * length / 12.0;
-    // A diameter inside one face has no spread but its rounding, one of no length none at all; neither
-    // has anything to say.
-    if spread.is_nan() || spread <= 1e-9 * smooth_spread {
-        return None;
-    }
-    // d = sqrt(U^2 + Z^2) with U the ends' distance along the plane and Z their difference in
-    // height; L - d is summed from parts that do not cancel.
-    let along = forward.end.x + backward.end.x;
-    let rise = forward.end.y - backward.end.y;
-    let chord = along.hypot(rise);
-    let beyond = if along > 0.0 { rise * rise / (chord + along) } else { chord - along };
-    let deficit = ((forward.excess + backward.excess - beyond) / length).clamp(0.0, 1.0);
-    let curvature = 2.0 * alpha(deficit, spread / smooth_spread) / length;
-    // A surface bends away from its normal where the ends lie below the tangent plane.
-    let height = forward.end.y + backward.end.y;
-    // An error e in L - d makes one of e / (k spread) in k: least squares weigh by its inverse square.
-    Some(Sample {
-        curvature: curvature * sign(height, curvature, forward.length, backward.length),
-        weight: spread * spread,
-    })
+    let one = R::splat(1.0);
+    k * l * l * 0.5 * (one - turn * (1.0 / 12.0) * (one - turn * (1.0 / 30.0) * (one - turn * (1.0 / 56.0))))
 }
 
 /// Sum of p (m - mean m)^2 over the diameter's segments; the first segment of both legs is one.
-fn spread(diameter: &Diameter<'_>) -> f64 {
-    let (forward, backward) = (diameter.forward, diameter.backward);
+#[inline(always)]
+fn spread<R: Real>(section: &Section<R>, two_over_length: R) -> R {
+    let (forward, backward) = (section.forward, section.backward);
     let first = forward.first.min(forward.length) + backward.first.min(backward.length);
-    let middle = 0.5 * (forward.first - backward.first);
+    let middle = (forward.first - backward.first) * 0.5;
     let sum = first * middle + forward.moments[0] - backward.moments[0];
     let squares = first * middle * middle + forward.moments[1] + backward.moments[1];
-    squares - sum * sum / (forward.length + backward.length)
+    squares - sum * sum * two_over_length * 0.5
 }
 
-/// Solves sin(alpha) / alpha = 1 - deficit for alpha in [0, pi], to full precision.
+/// Solves sin(alpha) / alpha = 1 - deficit for alpha in [0, pi], to 3e-10 of itself.
 ///
-/// With y = alpha^2 the left side is an entire function of y, nearly straight over [0, pi^2];
-/// Newton's method from the inverted series needs at most four rounds.
-fn half_turn(deficit: f64) -> f64 {
-    let mut y = 6.0 * deficit * (1.0 + deficit * (0.3 + deficit * (0.11 + 0.2 * deficit)));
-    for _ in 0..4 {
-        let (value, slope) = versed_sinc(y);
-        let step = (value - deficit) / slope;
-        y -= step;
-        if step.abs() <= 1e-15 * y {
-            break;
-        }
-    }
-    y.max(0.0).sqrt()
+/// alpha^2 is an analytic function of the deficit up to beyond one, which a quotient of polynomials comes
+/// close to (least squares, weighed until the largest error was smallest).
+#[inline(always)]
+fn half_turn<R: Real>(deficit: R) -> R {
+    const ABOVE: [f64; 6] = [
+        1.0,
+        -1.950_464_980_057_739_8,
+        1.274_960_038_385_541,
+        -0.300_253_602_804_495_53,
+        0.012_939_644_067_686_71,
+        0.000_637_527_909_060_535_4,
+    ];
+    const BELOW: [f64; 5] =
+        [1.0, -2.250_465_010_962_484_4, 1.812_957_344_596_852_5, -0.609_796_204_207_764_5, 0.070_294_839_196_910_33];
+    (deficit * 6.0 * polynomial(deficit, &ABOVE) / polynomial(deficit, &BELOW)).sqrt()
 }
 
-/// 1 - sin(sqrt y) / sqrt y and its derivative, by their power series.
-fn versed_sinc(y: f64) -> (f64, f64) {
-    const TERMS: usize = 14;
-    let (mut term, mut value, mut slope) = (y / 6.0, 0.0, 0.0);
-    for k in 1..=TERMS {
-        value += term;
-        slope += k as f64 * term;
-        let n = (2 * k + 2) as f64;
-        term *= -y / (n * (n + 1.0));
+#[inline(always)]
+fn polynomial<R: Real>(x: R, coefficients: &[f64]) -> R {
+    let mut sum = R::splat(0.0);
+    for &coefficient in coefficients.iter().rev() {
+        sum = sum * x + R::splat(coefficient);
     }
-    (value, if y > 0.0 { slope / y } else { 1.0 / 6.0 })
+    sum
 }
 
 #[cfg(test)]
@@ -136,6 +164,6 @@ mod tests {
             assert!((found - alpha).abs() < 1e-9 * alpha.max(1.0 / alpha), "{alpha}: {found}");
         }
         assert_eq!(half_turn(0.0), 0.0);
-        assert!((half_turn(1e-20 / 6.0) - 1e-10).abs() < 1e-22);
+        assert!((half_turn(1e-20 / 6.0) - 1e-10).abs() < 1e-19);
     }
 }

@@ -17,32 +17,58 @@
 //! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, equation 3; the
 //! sectors are our own.
 
+use super::fit::lanes::Real;
 use crate::disk::Disk;
 use crate::section::Stop;
-use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+
+/// The end of a leg, as the perimeter sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    /// Way along the leg's direction and height above the face, in radii.
+    pub(super) place: [f64; 2],
+    pub(super) is_whole: bool,
+    /// See [`Leg::aside`](crate::disk::Leg::aside).
+    pub(super) aside: f64,
+    /// See [`Leg::excess`](crate::disk::Leg::excess); in radii.
+    pub(super) excess: f64,
+}
 
 /// 6 / r^2 (1 - L / L_flat) over the sectors between full legs; `None` where there is none, save
 /// that a disk without height is flat.
 pub(super) fn gauss(disk: &Disk) -> Option<f64> {
-    let legs = disk.legs();
-    let step = 2.0 * PI / legs.len() as f64;
-    let turn = DVec2::from_angle(step);
     let radius = disk.radius();
+    let legs = disk.legs();
+    let end = |i: usize| End {
+        place: [legs[i].end.x / radius, legs[i].end.y / radius],
+        is_whole: legs[i].stop == Stop::Length,
+        aside: legs[i].aside,
+        excess: legs[i].excess / radius,
+    };
+    gauss_of(legs.len(), end).map(|k| k / (radius * radius))
+}
+
+/// The same for the ends of all legs, by angle over the full turn, times the square of the radius.
+pub(super) fn gauss_of(count: usize, end: impl Fn(usize) -> End) -> Option<f64> {
+    let step = 2.0 * PI / count as f64;
+    let (sin, cos) = step.sin_cos();
     let (mut length, mut flat) = (0.0, 0.0);
-    for (leg, next) in legs.iter().zip(legs.iter().cycle().skip(1)) {
-        if leg.stop == Stop::Length && next.stop == Stop::Length {
-            length += rim(leg.end, next.end, turn);
-            flat += 2.0 * radius * (0.5 * (step + next.aside - leg.aside)).sin();
+    for i in 0..count {
+        let (end, next) = (end(i), end((i + 1) % count));
+        if end.is_whole && next.is_whole {
+            length += rim(end.place, next.place, [cos, sin]);
+            flat += 2.0 * (0.5 * (step + next.aside - end.aside)).sin();
         }
     }
     if flat > 0.0 {
-        return Some(6.0 / (radius * radius) * (1.0 - length / flat));
+        return Some(6.0 * (1.0 - length / flat));
     }
-    legs.iter().all(|leg| leg.excess <= 1e-12 * radius).then_some(0.0)
+    (0..count).all(|i| end(i).excess <= 1e-12).then_some(0.0)
 }
 
 /// Distance of two leg ends whose directions differ by a turn (cosine and sine).
-fn rim(a: DVec2, b: DVec2, turn: DVec2) -> f64 {
-    DVec3::new(b.x * turn.x - a.x, b.x * turn.y, b.y - a.y).length()
+#[inline(always)]
+pub(super) fn rim<R: Real>(a: [R; 2], b: [R; 2], [cos, sin]: [R; 2]) -> R {
+    let (x, y, z) = (b[0] * cos - a[0], b[0] * sin, b[1] - a[1]);
+    (x * x + y * y + z * z).sqrt()
 }

@@ -12,9 +12,7 @@
 //! programs make them, get a disk that passes several of them across and stays within the face along,
 //! where it does not matter; a needle among well-shaped faces gets the disk of its neighbours.
 
-use super::euler::Principal;
 use super::options::{CurvatureOptions, Radius};
-use crate::disk::Disk;
 use crate::mesh::{EdgeKind, Face, Mesh};
 
 /// First radius in widths: 3.4 mean edges of a right-angled triangle of equal legs.
@@ -64,23 +62,23 @@ impl RadiusSearch {
     /// `fixed` is [`CurvatureOptions::fixed_radius`], computed once for a mesh. Returns the search
     /// and the radius to begin with.
     pub(super) fn new(mesh: &Mesh, face: Face, options: &CurvatureOptions, fixed: Option<f64>) -> (Self, f64) {
+        let edge = mesh.mean_edge(face);
         let first = match (fixed, options.radius) {
             (Some(fixed), _) => fixed,
-            (None, Radius::FaceFactor(factor)) => factor * mesh.mean_edge(face),
+            (None, Radius::FaceFactor(factor)) => factor * edge,
             (None, _) => WIDTHS * width_around(mesh, face),
         };
-        let most = MOST_EDGES * mesh.mean_edge(face);
+        let most = MOST_EDGES * edge;
         (RadiusSearch { automatic: options.radius == Radius::Auto, first, most, rounds: 0 }, first)
     }
 
-    /// The next radius to try after a disk and what it shows; `None` to keep it.
-    pub(super) fn next(&mut self, disk: &Disk, found: &Principal) -> Option<f64> {
+    /// The next radius to try after one and the turn that a disk of it shows, radius times curvature; `None`
+    /// to keep it. `is_blind` says whether no section of the disk passes an edge.
+    pub(super) fn next(&mut self, radius: f64, turn: f64, is_blind: impl FnOnce() -> bool) -> Option<f64> {
         self.rounds += 1;
         if !self.automatic || self.rounds == MOST_ROUNDS {
             return None;
         }
-        let radius = disk.radius();
-        let turn = radius * found.k_max.abs().max(found.k_min.abs());
         if radius <= self.first {
             let wanted = (radius * LARGEST_TURN / turn).max(0.25 * self.first);
             // Little slack: where rounding decides, it must not change much.
@@ -90,13 +88,8 @@ impl RadiusSearch {
         }
         let grown = GROWTH * radius;
         let may_grow = radius >= self.first && turn < SMALL_TURN && grown <= self.most;
-        (may_grow && (turn > NO_TURN || leaves_nothing_to_see(disk))).then_some(grown)
+        (may_grow && (turn > NO_TURN || is_blind())).then_some(grown)
     }
-}
-
-/// True when no section passes an edge.
-fn leaves_nothing_to_see(disk: &Disk) -> bool {
-    disk.legs().iter().all(|leg| leg.length <= leg.first)
 }
 
 /// The second largest width among the face and its neighbours across inner edges; its own where it

@@ -89,7 +89,7 @@ impl Mesh {
     }
 
     /// The faces by where their barycentres lie on a Morton curve through the mesh.
-    fn along_curve(&self) -> Vec<Face> {
+    pub(crate) fn along_curve(&self) -> Vec<Face> {
         let Some((centre, axes, size)) = self.own_frame() else {
             return (0..self.face_count() as u32).map(Face).collect();
         };

@@ -8,22 +8,22 @@ use pulp::Arch;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Lanes of a vector.
-pub(super) const LANES: usize = 4;
+pub(in crate::curvature) const LANES: usize = 4;
 
 /// Four numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub(super) struct F4(pub(super) [f64; LANES]);
+pub(in crate::curvature) struct F4(pub(in crate::curvature) [f64; LANES]);
 
 /// Work to be done with vectors. It and all that it calls must be inlined, or the processor's wider vectors
 /// are not used.
-pub(super) trait Kernel {
+pub(in crate::curvature) trait Kernel {
     type Output;
     fn run(self) -> Self::Output;
 }
 
 /// Runs a kernel with the widest vectors of the processor.
-pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+pub(in crate::curvature) fn run<K: Kernel>(kernel: K) -> K::Output {
     struct Dispatched<K>(K);
 
     impl<K: Kernel> pulp::WithSimd for Dispatched<K> {
@@ -38,7 +38,7 @@ pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// A number, or several side by side.
-pub(super) trait Real:
+pub(in crate::curvature) trait Real:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -100,8 +100,8 @@ impl Real for f64 {
 }
 
 impl F4 {
-    pub(super) const ZERO: F4 = F4([0.0; LANES]);
-    pub(super) const ONE: F4 = F4([1.0; LANES]);
+    pub(in crate::curvature) const ZERO: F4 = F4([0.0; LANES]);
+    pub(in crate::curvature) const ONE: F4 = F4([1.0; LANES]);
 
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> F4 {
@@ -123,15 +123,24 @@ impl F4 {
 
     /// One number from each of four other things.
     #[inline(always)]
-    pub(super) fn of<T: Copy>(from: [T; LANES], number: impl Fn(T) -> f64) -> F4 {
+    pub(in crate::curvature) fn of<T: Copy>(from: [T; LANES], number: impl Fn(T) -> f64) -> F4 {
         let [a, b, c, d] = from;
         F4([number(a), number(b), number(c), number(d)])
     }
 }
 
+impl F4 {
+    /// Of all lanes, in an order that is always the same.
+    #[inline(always)]
+    pub(in crate::curvature) fn sum(self) -> f64 {
+        let [a, b, c, d] = self.0;
+        (a + b) + (c + d)
+    }
+}
+
 /// Whether something holds, lane by lane.
 #[inline(always)]
-pub(super) fn which(is: impl Fn(usize) -> bool) -> [bool; LANES] {
+pub(in crate::curvature) fn which(is: impl Fn(usize) -> bool) -> [bool; LANES] {
     [is(0), is(1), is(2), is(3)]
 }
 
@@ -224,30 +233,30 @@ impl SubAssign for F4 {
 
 /// A vector in space, or several side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct V3<T> {
-    pub(super) x: T,
-    pub(super) y: T,
-    pub(super) z: T,
+pub(in crate::curvature) struct V3<T> {
+    pub(in crate::curvature) x: T,
+    pub(in crate::curvature) y: T,
+    pub(in crate::curvature) z: T,
 }
 
 impl<T: Real> V3<T> {
     #[inline(always)]
-    pub(super) fn new(x: T, y: T, z: T) -> Self {
+    pub(in crate::curvature) fn new(x: T, y: T, z: T) -> Self {
         V3 { x, y, z }
     }
 
     #[inline(always)]
-    pub(super) fn dot(self, o: Self) -> T {
+    pub(in crate::curvature) fn dot(self, o: Self) -> T {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
     #[inline(always)]
-    pub(super) fn cross(self, o: Self) -> Self {
+    pub(in crate::curvature) fn cross(self, o: Self) -> Self {
         V3::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
     }
 
     #[inline(always)]
-    pub(super) fn scaled(self, by: T) -> Self {
+    pub(in crate::curvature) fn scaled(self, by: T) -> Self {
         V3::new(self.x * by, self.y * by, self.z * by)
     }
 }
@@ -290,19 +299,19 @@ impl From<V3<f64>> for glam::Vec3 {
 
 impl V3<F4> {
     #[inline(always)]
-    pub(super) fn splat(v: glam::DVec3) -> Self {
+    pub(in crate::curvature) fn splat(v: glam::DVec3) -> Self {
         V3 { x: F4::splat(v.x), y: F4::splat(v.y), z: F4::splat(v.z) }
     }
 
-    pub(super) const ZERO: Self = V3 { x: F4::ZERO, y: F4::ZERO, z: F4::ZERO };
+    pub(in crate::curvature) const ZERO: Self = V3 { x: F4::ZERO, y: F4::ZERO, z: F4::ZERO };
 
     #[inline(always)]
-    pub(super) fn set(&mut self, lane: usize, v: glam::DVec3) {
+    pub(in crate::curvature) fn set(&mut self, lane: usize, v: glam::DVec3) {
         (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (v.x, v.y, v.z);
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> glam::DVec3 {
+    pub(in crate::curvature) fn get(&self, lane: usize) -> glam::DVec3 {
         glam::DVec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
     }
 }

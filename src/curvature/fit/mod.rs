@@ -22,7 +22,7 @@ mod flats;
 mod frame;
 mod ground;
 mod implicit;
-mod lanes;
+pub(super) mod lanes;
 mod least_squares;
 mod marks;
 mod one_sided;
