@@ -43,7 +43,7 @@ def test_progress_goes_on_in_the_calling_thread(rough: Arrays) -> None:
         threads.add(threading.get_ident())
 
     osculate.annotate(*rough, progress=progress)
-    assert told == sorted(told) and told[-1] == len(rough[1]) and len(told) > 3
+    assert told == sorted(told) and told[-1] == len(rough[1]) and len(told) > 1
     assert threads == {threading.get_ident()}
 
 
