@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Osculate for Blender: the curvature of every face as attributes.
 
-`gltf_*` read and write files; `annotate` and `estimate` make values, `show` and `select` use them; `store` moves
+`gltf_*` read and write files; `annotate` and `estimate` make values, `show` and `selection` use them; `store` moves
 arrays between Blender and NumPy; `wheel` is the compiled part."""
 
-from . import annotate, panel, preferences, select, settings, show
+from . import annotate, panel, preferences, selection, settings, show
 # Looked up by Blender's importer and exporter.
 from .gltf_export import glTF2ExportUserExtension  # noqa: F401
 from .gltf_import import glTF2ImportUserExtension  # noqa: F401
 
-_PARTS = (preferences, settings, annotate, show, select, panel)
+_PARTS = (preferences, settings, annotate, show, selection, panel)
 
 
 def register():

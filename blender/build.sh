@@ -14,7 +14,8 @@ cd "$(dirname "$0")"
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 if [ ${#wheels[@]} = 0 ]; then
-    python=$(../tests/clients/python.sh maturin "maturin>=1.9,<2")
+    # Not from here: Python would take our modules for its own.
+    python=$(cd .. && tests/clients/python.sh maturin "maturin>=1.9,<2")
     # The compiled crates stay from run to run, and are those of tests/python/run.sh.
     export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$(realpath ..)/target}/python
     # maturin gives the wheel the lowest manylinux tag that it fulfils.
