@@ -10,6 +10,7 @@ _Progress = Callable[[str, int, int], object]
 _Path = str | os.PathLike[str]
 
 __all__ = [
+    "Batch",
     "Mesh",
     "VERSION",
     "Values",
@@ -18,9 +19,11 @@ __all__ = [
     "convert",
     "facts",
     "inspect",
+    "is_mesh_name",
     "method_names",
     "palette",
     "quantities",
+    "remove_abandoned_outputs",
     "run",
 ]
 
