@@ -78,7 +78,7 @@ class OsculateSettings(bpy.types.PropertyGroup):
     colormap: bpy.props.StringProperty(
         name="Colour map", default="",
         description="Empty: blue-red for signed quantities, viridis for others, one colour for each class",
-        search=lambda self, context, text: wheel.osculate().colormaps() if wheel.is_there() else [])
+        search=lambda self, context, text: list(wheel.osculate().COLORMAPS) if wheel.is_there() else [])
     is_auto_range: bpy.props.BoolProperty(
         name="Range from the values", default=True,
         description="95th percentile of the magnitudes, on both sides of zero for signed quantities")

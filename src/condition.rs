@@ -162,10 +162,9 @@ fn class(name: &str) -> Result<FaceClass, String> {
 }
 
 fn method(name: &str) -> Result<Method, String> {
-    let known =
-        [Method::Sections, Method::Fit, Method::OneSided, Method::Strip, Method::Flat, Method::Patches, Method::Window];
-    known.into_iter().find(|method| method.name() == name).ok_or_else(|| {
-        let known: Vec<&str> = known.iter().map(|method| method.name()).collect();
+    let known = || Method::ALL.into_iter().filter(|method| *method != Method::None);
+    known().find(|method| method.name() == name).ok_or_else(|| {
+        let known: Vec<&str> = known().map(Method::name).collect();
         format!("unknown method \"{name}\"; known are {}", known.join(", "))
     })
 }

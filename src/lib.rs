@@ -69,8 +69,8 @@ pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use condition::Condition;
 pub use curvature::{
-    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, from_disk,
-    normal_curvature,
+    CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, estimate_owned,
+    from_disk, normal_curvature,
 };
 pub use cut::cut;
 pub use disk::{Diameter, Disk, Frame, Leg};

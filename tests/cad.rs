@@ -99,6 +99,36 @@ fn it_does_not_matter_how_the_part_lies() {
     }
 }
 
+/// Tessellators leave slivers without an area in the seams of flats.
+#[test]
+fn slivers_in_a_flat_do_not_bend_it() {
+    let soup = fillet_part();
+    let mut points: Vec<[f64; 3]> = (0..soup.positions.len()).map(|v| soup.positions.get(v).to_array()).collect();
+    let mut faces = soup.triangles.clone();
+    // Every large facet gets a vertex in the middle of its longest side, and a sliver there.
+    let count = faces.len();
+    for f in 0..count {
+        let corners = faces[f].map(|v| DVec3::from(points[v as usize]));
+        let length = |i: usize| corners[i].distance(corners[(i + 1) % 3]);
+        let i = (0..3).max_by(|a, b| length(*a).total_cmp(&length(*b))).expect("three sides");
+        if Part::of(corners) == Part::Flat && length(i) > 10.0 {
+            let (a, b, c) = (faces[f][i], faces[f][(i + 1) % 3], faces[f][(i + 2) % 3]);
+            let middle = points.len() as u32;
+            points.push(corners[i].midpoint(corners[(i + 1) % 3]).to_array());
+            faces[f] = [a, middle, c];
+            faces.extend([[middle, b, c], [a, b, middle]]);
+        }
+    }
+    assert!(faces.len() > count + 8);
+    let mesh = mesh_of(&Soup::new(Positions::F64(points), faces));
+    let values = osculate::estimate(&mesh, &CurvatureOptions::default(), &NoProgress).expect("valid options");
+    for (f, v) in (0..).map(Face).zip(values).filter(|(f, _)| mesh.face_state(*f) == FaceState::Sound) {
+        if Part::of(mesh.triangle(f).map(|p| p + mesh.origin())) == Part::Flat {
+            assert!(v.k_max.abs() < 0.0025 && v.k_min.abs() < 0.0025, "{f:?} {v:?}");
+        }
+    }
+}
+
 /// A cylinder of one row of long facets whose ends are closed by fine half-spheres.
 #[test]
 fn a_capsule_is_a_cylinder_between_two_spheres() {

@@ -293,6 +293,19 @@ fn a_radius_far_beyond_the_part_ends() {
     }
 }
 
+/// Beside a vertex so far away, steps on the rest vanish in 32 bits.
+#[test]
+fn one_stray_vertex_flattens_nothing() {
+    let ball = Grid::new(Surface::Sphere { radius: 1.0 }, 48, 24).build().soup;
+    let options = osculating(Radius::FaceFactor(3.0));
+    for far in [1e6, 1e20, 1e38] {
+        let mesh = mesh_of(&with_triangle(&ball, [[9.0, 0.0, 0.0], [far, 0.0, 0.0], [9.0, 1.0, 0.0]]));
+        for value in &values(&mesh, &options)[..ball.face_count()] {
+            assert!((value.k_max - 1.0).abs() < 0.1 && (value.k_min - 1.0).abs() < 0.1, "{far}: {value:?}");
+        }
+    }
+}
+
 /// Faces come in the order of a curve inside and in the file's outside.
 #[test]
 fn copies_and_broken_faces_leave_the_others_alone() {

@@ -110,7 +110,7 @@ impl Mesh {
         let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
         let (report, values) = work::run(py, build.threads, progress.as_ref(), |progress| {
             let mesh = osculate::Mesh::from_arrays(positions, triangles, same_vertex(by_number), &build.mesh)?;
-            let values = osculate::estimate(&mesh, &call.curvature, progress)?;
+            let (mesh, values) = osculate::estimate_owned(mesh, &call.curvature, progress)?;
             Ok((mesh.report().clone(), values))
         })?;
         let facts = (json(&report)?, report.defects(), settings_of(build.mesh, call.curvature)?);

@@ -93,7 +93,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
 ///
 /// # Errors
 /// Those of [`estimate`].
-pub(crate) fn estimate_owned(
+pub fn estimate_owned(
     mesh: Mesh,
     options: &CurvatureOptions,
     progress: &dyn Progress,

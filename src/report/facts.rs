@@ -2,7 +2,7 @@
 
 use super::ReportOptions;
 use super::display::Display;
-use super::pack::{METHODS, Packed};
+use super::pack::Packed;
 use super::subject::Subject;
 use crate::annotation::Unit;
 use crate::color::{Colormap, Range, class_index};
@@ -50,7 +50,7 @@ pub(super) fn shared(options: &ReportOptions) -> Value {
         "classes": FaceClass::ALL.iter().map(|c| json!({
             "code": c.code(), "name": c.name(), "index": class_index(*c),
         })).collect::<Vec<_>>(),
-        "methods": METHODS.map(crate::Method::name),
+        "methods": crate::Method::ALL.map(crate::Method::name),
         "start": {
             "quantity": options.color_by.token(),
             "map": options.colormap.map(Colormap::name),

@@ -161,20 +161,8 @@ fn share(value: f32) -> u32 {
 }
 
 fn method(method: Method) -> u32 {
-    METHODS.iter().position(|&m| m == method).unwrap_or(0) as u32
+    Method::ALL.iter().position(|&m| m == method).unwrap_or(0) as u32
 }
-
-/// Methods by their number in the page.
-pub(super) const METHODS: [Method; 8] = [
-    Method::None,
-    Method::Sections,
-    Method::Fit,
-    Method::OneSided,
-    Method::Strip,
-    Method::Flat,
-    Method::Patches,
-    Method::Window,
-];
 
 /// The kinds of a face's three edges, two bits each; a thinned mesh has none of its own.
 fn edges(mesh: &Mesh, face: Face, display: &Display) -> u32 {

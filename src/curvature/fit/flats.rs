@@ -34,27 +34,33 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out
             && !matches!(out[f.index()].method, Method::Strip)
     };
     let mut seen = vec![false; mesh.face_count()];
-    let (mut flat, mut folds) = (Vec::new(), Vec::new());
+    let (mut flat, mut folds, mut settled) = (Vec::new(), Vec::new(), Vec::<Face>::new());
     for seed in (0..mesh.face_count() as u32).map(Face) {
         if seen[seed.index()] || !is_open(seed, out) {
             continue;
         }
         collect(mesh, seed, quantum, &mut seen, &mut flat, &mut folds);
         if is_tangent_to_neighbours(mesh, &flat, &folds, quality, out) {
-            for &face in &flat {
-                if is_open(face, out) {
-                    out[face.index()] = flat_value(mesh, face, out[face.index()].coverage);
-                }
-            }
+            settled.extend(flat.iter().filter(|&&face| is_open(face, out)));
         }
+    }
+    // Only now: what is told of one flat does not depend on others.
+    for face in settled {
+        out[face.index()] = flat_value(mesh, face, out[face.index()].coverage);
     }
 }
 
-/// All faces that hang together with the seed in one plane, and the half-edges at which they end in a fold.
+/// All faces that hang together with the seed in one plane, slivers without an area among them, and the half-edges at which they end in a fold.
 fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut Vec<Face>, folds: &mut Vec<HalfEdge>) {
     flat.clear();
     folds.clear();
     flat.push(seed);
+    let (origin, normal, size) = (mesh.barycentre(seed), mesh.normal(seed), mesh.least_height(seed));
+    // Small turns add up: a finely meshed surface is not one flat.
+    let is_near = |p: DVec3| {
+        let distance = p.distance(origin);
+        (p - origin).dot(normal).abs() <= ROUNDING * quantum * (1.0 + distance / size) + PARALLEL * distance
+    };
     seen[seed.index()] = true;
     let mut next = 0;
     while let Some(&face) = flat.get(next) {
@@ -65,7 +71,9 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
             }
             let Some(twin) = mesh.topology().twin(h) else { continue };
             let other = twin.face();
-            if !is_coplanar(mesh, h, twin, quantum) {
+            let is_sliver = [face, other].iter().any(|&f| mesh.face_state(f) != FaceState::Sound);
+            let is_level = is_sliver || is_coplanar(mesh, h, twin, quantum);
+            if !is_level || !is_near(mesh.position(mesh.topology().apex(twin))) {
                 folds.push(h);
             } else if !std::mem::replace(&mut seen[other.index()], true) {
                 flat.push(other);
@@ -76,8 +84,10 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
 
 /// True where rounding explains all that a fold turns.
 fn is_coplanar(mesh: &Mesh, h: HalfEdge, twin: HalfEdge, quantum: f64) -> bool {
-    let sine = mesh.normal(h.face()).cross(mesh.normal(twin.face())).length();
-    sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / mesh.height(h) + 1.0 / mesh.height(twin)))
+    let normals = [h, twin].map(|h| mesh.normal(h.face()));
+    let sine = normals[0].cross(normals[1]).length();
+    normals[0].dot(normals[1]) > 0.0
+        && sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / mesh.height(h) + 1.0 / mesh.height(twin)))
 }
 
 /// True when at most of the folds, by length, all the surface turns is due to the facet beyond.
@@ -89,6 +99,7 @@ fn is_tangent_to_neighbours(
     out: &[FaceCurvature],
 ) -> bool {
     let topology = mesh.topology();
+    let normal = flat.first().map_or(DVec3::ZERO, |&f| mesh.normal(f));
     let area: f64 = flat.iter().map(|&f| mesh.area(f)).sum();
     let beyond: f64 = folds.iter().filter_map(|&h| Some(mesh.area(topology.twin(h)?.face()))).sum();
     let close = if area * folds.len() as f64 > LARGE.0 * beyond { LARGE.1 } else { CLOSE };
@@ -108,7 +119,7 @@ fn is_tangent_to_neighbours(
         if !is_known {
             continue;
         }
-        let normals = [h.face(), other].map(|f| mesh.normal(f));
+        let normals = [normal, mesh.normal(other)];
         let across = normals[1].cross((b - a) / length);
         let share = across.dot(value.dir_max.as_dvec3()).powi(2).min(1.0);
         let (k_max, k_min) = (f64::from(value.k_max), f64::from(value.k_min));

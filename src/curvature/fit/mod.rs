@@ -159,7 +159,8 @@ fn look_aside<'g>(
         }
     });
     let doubtful = quality.iter().filter(|q| q.is_doubtful).count();
-    if doubtful as f64 > NOISY * quality.len() as f64 {
+    let fitted = quality.iter().filter(|q| q.misfit.is_finite()).count();
+    if doubtful as f64 > NOISY * fitted as f64 {
         return;
     }
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Most digits behind the point that are looked for.
 const MOST_DIGITS: u32 = 9;
 /// Coordinates cut to fewer digits than this, as a share of the mesh's size, are rough data, not rounded ones.
-const ROUGHEST: f64 = 1e-5;
+const ROUGHEST: f64 = 1e-6;
 
 /// What all coordinates have in common.
 #[derive(Clone, Copy)]
@@ -80,7 +80,7 @@ mod tests {
     fn the_digits_of_a_file_are_known() {
         let third = 1.0 / 3.0;
         for (x, y, expected) in [
-            (1.23456, -2.5, 5e-6),
+            (1.234567, -2.5, 5e-7),
             (1.0, third, 1e-16),
             (1.0, f64::from(third as f32), 6e-8),
             (1.0, 1_234_567.000_123, 1.234_567_000_123e-10),

@@ -193,7 +193,8 @@ pub(super) fn reading(surveyor: &mut Surveyor<'_>, face: Face, quality: &Quality
     let score = |run: &Range<usize>, reading: Reading| {
         let across = reading.principal.size();
         let is_even = !reading.quality.is_uneven;
-        let is_better = is_even && is_uneven || reading.error < BETTER * own;
+        let is_promising = reading.error < BETTER * own && !reading.quality.is_vague;
+        let is_better = is_even && is_uneven || is_promising;
         let is_straight = across == 0.0 || along <= BENT * across;
         // In powers of ten: among equals the one about the face.
         let power = if is_even { f64::NEG_INFINITY } else { reading.error.log10().floor() };

@@ -8,6 +8,7 @@
 //! [`Disk`] has the same rules in 64 bits for one leg at a time. It is what this is tested against, and
 //! what faces get whose disk is not one for 32 bits. A face goes there
 //! - where a leg crosses an edge 16 radii wide or more: facets that long beside their disk leave too few digits;
+//! - where the mesh is 1e18 radii large, as by one stray vertex: steps vanish beside that;
 //! - where the radius is 4,096 times the face's size: rounding is then some thousandth of the face;
 //! - where a leg finds no edge to leave the face by, crosses 65,536 edges, or comes to where a surface of one
 //!   side changes its winding.
@@ -35,6 +36,9 @@ use walk::{Directions, Legs, Start, Walk};
 
 /// The least size of a face, in radii.
 const SMALLEST: f32 = 1.0 / 4096.0;
+
+/// The largest size of the mesh, in radii: beyond, squares of what a step goes are too small for 32 bits.
+const LARGEST: f32 = 1e18;
 
 /// Estimates all faces of a mesh but its duplicates, by formula (1); `None` for a mesh that has no [`Steps`].
 pub(super) fn estimate(
@@ -155,7 +159,8 @@ impl<'s> Worker<'s> {
         let Survey { mesh, steps, directions, reader, .. } = self.survey;
         let start = case.start(mesh, steps.scale());
         let is_large = start.corners.as_flattened().iter().any(|c| c.abs() > SMALLEST);
-        if !is_large || !eight::run(Walk { steps, start: &start, directions, legs: &mut self.legs }) {
+        let is_there = start.axes.as_flattened().iter().all(|a| a.abs() < LARGEST);
+        if !is_large || !is_there || !eight::run(Walk { steps, start: &start, directions, legs: &mut self.legs }) {
             return false;
         }
         self.legs.close(2 * self.survey.options.diameters);
