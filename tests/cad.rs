@@ -104,7 +104,7 @@ fn it_does_not_matter_how_the_part_lies() {
 fn slivers_in_a_flat_do_not_bend_it() {
     let soup = fillet_part();
     let mut points: Vec<[f64; 3]> = (0..soup.positions.len()).map(|v| soup.positions.get(v).to_array()).collect();
-    let mut faces = soup.triangles.clone();
+    let mut faces = soup.triangles;
     // Every large facet gets a vertex in the middle of its longest side, and a sliver there.
     let count = faces.len();
     for f in 0..count {
