@@ -29,9 +29,7 @@ const MOST: f64 = 0.6;
 pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out: &mut [FaceCurvature]) {
     let mesh = ground.mesh;
     let is_open = |f: Face, out: &[FaceCurvature]| {
-        quality[f.index()].is_open()
-            && mesh.face_state(f) == FaceState::Sound
-            && !matches!(out[f.index()].method, Method::Strip)
+        quality[f.index()].is_open() && !is_sliver(mesh, f, quantum) && !matches!(out[f.index()].method, Method::Strip)
     };
     let mut seen = vec![false; mesh.face_count()];
     let (mut flat, mut folds, mut settled) = (Vec::new(), Vec::new(), Vec::<Face>::new());
@@ -50,7 +48,7 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out
     }
 }
 
-/// All faces that hang together with the seed in one plane, slivers without an area among them, and the half-edges at which they end in a fold.
+/// All faces that hang together with the seed in one plane, slivers among them, and the half-edges at which they end in a fold.
 fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut Vec<Face>, folds: &mut Vec<HalfEdge>) {
     flat.clear();
     folds.clear();
@@ -71,7 +69,7 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
             }
             let Some(twin) = mesh.topology().twin(h) else { continue };
             let other = twin.face();
-            let is_sliver = [face, other].iter().any(|&f| mesh.face_state(f) != FaceState::Sound);
+            let is_sliver = [face, other].into_iter().any(|f| is_sliver(mesh, f, quantum));
             let is_level = is_sliver || is_coplanar(mesh, h, twin, quantum);
             if !is_level || !is_near(mesh.position(mesh.topology().apex(twin))) {
                 folds.push(h);
@@ -80,6 +78,11 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
             }
         }
     }
+}
+
+/// True where the normal of a face is that of rounding.
+fn is_sliver(mesh: &Mesh, face: Face, quantum: f64) -> bool {
+    mesh.face_state(face) != FaceState::Sound || mesh.least_height(face) <= ROUNDING * quantum
 }
 
 /// True where rounding explains all that a fold turns.
