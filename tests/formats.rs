@@ -102,11 +102,11 @@ fn formats_agree_on_the_values() {
     assert_eq!(common::differing(&two, &values("two_meshes.gltf")), 0);
     assert_eq!(common::differing(&two, &values("two_meshes_embedded.gltf")), 0);
     // Rounding to floats decides which of two equal edges a disk's angles start from, and on which side
-    // of a vertex a leg passes: 0.4 % of the curvature of 0.5.
+    // of a vertex a leg passes: at 4 faces of 320, and by half a percent of the curvature of 0.5.
     let sphere = values("sphere_le.ply");
-    for (a, b) in sphere.iter().zip(values("sphere_be.ply")) {
-        assert!((a.mean() - b.mean()).abs() < 2e-3);
-    }
+    let differences = sphere.iter().zip(values("sphere_be.ply")).map(|(a, b)| (a.mean() - b.mean()).abs());
+    let (apart, most) = differences.fold((0, 0.0_f32), |(apart, most), d| (apart + usize::from(d > 1e-3), most.max(d)));
+    assert!(apart <= 8 && most < 2.5e-3, "{apart} faces, by {most}");
 }
 
 #[test]
