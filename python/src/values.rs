@@ -93,7 +93,7 @@ impl Values {
 
     /// A colour scale for `color_by`, `colormap` and `range`: quantity, map, lowest and highest value, number of faces
     /// beyond them, and the index of each face's colour in the map's palette.
-    #[allow(clippy::type_complexity)]
+    #[allow(clippy::type_complexity, reason = "a tuple is what Python gets; the stub names its parts")]
     fn colors<'py>(
         &self,
         py: Python<'py>,
@@ -153,7 +153,7 @@ pub(crate) fn class_names() -> Vec<(i8, &'static str)> {
 /// All quantities, in the order of CSV columns: name, names of CSV columns and of glTF attributes, and the power of
 /// length.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
+#[allow(clippy::type_complexity, reason = "a tuple is what Python gets; the stub names its parts")]
 pub(crate) fn quantities() -> Vec<(&'static str, Vec<&'static str>, Vec<&'static str>, i32)> {
     let row = |q: Quantity| (q.token(), q.columns().to_vec(), q.attributes().to_vec(), q.dimension());
     Quantity::ALL.into_iter().map(row).collect()
