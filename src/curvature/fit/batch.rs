@@ -118,7 +118,7 @@ impl Batch {
         self.uprights.set(lane, window.normals.iter().sum());
         self.rulings[lane] = window.rulings;
         self.marks[lane] = Mark::Border;
-        self.coverage[lane] = ground.stars.coverage(&window.vertices);
+        self.coverage[lane] = ground.stars.coverage(window.vertices.iter().copied());
         self.add(ground, seed, window.points.len());
     }
 

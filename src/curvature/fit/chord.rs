@@ -8,15 +8,16 @@
 //! The surface is z = P(X, Y) with P of degree 3 or 4, with constant and linear terms; the frame is
 //! moved and tilted until these are small.
 
+use super::abreast::{Abreast, Frames};
+use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
-use super::least_squares::{Factor, Rows};
 use super::shape::Shape;
 use glam::{DMat3, DVec3};
 
 /// Number of terms by degree.
-pub(super) const TERMS: [usize; 5] = [1, 3, 6, 10, 15];
-const WIDEST: usize = 15;
+const TERMS: [usize; 5] = [1, 3, 6, 10, 15];
+const WIDEST: usize = TERMS[4];
 
 /// A fitted surface patch. The frame's unit is the radius of its window.
 #[derive(Clone, Copy, Debug)]
@@ -25,14 +26,35 @@ pub(super) struct Chord {
     pub(super) coefficients: [f64; WIDEST],
 }
 
-/// The normal equations of a window in its final frame, for all degrees up to 4.
-pub(super) struct ChordFit {
-    pub(super) frame: Frame,
-    factor: Factor,
-    count: usize,
-    /// Sums of squared residuals by degree, in units of the frame.
-    residuals: [f64; 5],
-    highest: usize,
+/// Fits four windows at a time.
+pub(super) struct ChordFitter {
+    paraboloids: Rows<{ TERMS[2] }>,
+    cubics: Rows<{ TERMS[3] }>,
+    quartics: Rows<{ TERMS[4] }>,
+}
+
+/// The fits to four windows, whose frames they have moved.
+pub(super) struct ChordFits {
+    /// By degree.
+    models: [Model; 5],
+    highest: [usize; LANES],
+    counts: [usize; LANES],
+}
+
+/// The polynomials of one degree, in units of the frames.
+#[derive(Clone, Copy)]
+struct Model {
+    coefficients: [F4; WIDEST],
+    /// Sums of squared residuals.
+    residual: F4,
+    /// Variances of the shape tensors at the middle (their squared Frobenius norms) for samples of unit variance.
+    variance: F4,
+}
+
+/// Monomials at samples and the heights they are to explain, all times the roots of the weights.
+struct Rows<const N: usize> {
+    monomials: Vec<[F4; N]>,
+    heights: Vec<F4>,
 }
 
 #[inline(always)]
@@ -50,109 +72,126 @@ fn chord<T: Real>(p: V3<T>, z: T) -> (T, T) {
     (p.x * stretch, p.y * stretch)
 }
 
-/// Fills rows with the monomials at samples, each times the root of its weight.
-struct FillRows<'f> {
-    frame: &'f Frame,
-    samples: &'f [DVec3],
-    weights: &'f [f64],
-    width: usize,
-    rows: &'f mut Rows,
-}
-
-impl Kernel for FillRows<'_> {
-    type Output = ();
+impl<const N: usize> Rows<N> {
+    const NONE: Self = Rows { monomials: Vec::new(), heights: Vec::new() };
 
     #[inline(always)]
-    fn run(self) {
-        let FillRows { frame, samples, weights, width, rows } = self;
-        let axes = [frame.axes.x_axis, frame.axes.y_axis, frame.axes.z_axis].map(V3::splat);
-        let scale = F4::splat(1.0 / frame.unit);
-        for lane in 0..rows.lanes() {
-            let first = lane * LANES;
-            let (mut d, mut weight) = (V3::ZERO, F4::ZERO);
-            for i in 0..LANES.min(samples.len() - first) {
-                d.set(i, samples[first + i] - frame.origin);
-                weight.0[i] = weights.get(first + i).copied().unwrap_or(1.0);
-            }
-            let p = V3::new(d.dot(axes[0]), d.dot(axes[1]), d.dot(axes[2])).scaled(scale);
+    fn fill(&mut self, abreast: &Abreast, frames: Frames) {
+        self.monomials.clear();
+        self.heights.clear();
+        for (&p, &root) in abreast.points.iter().zip(&abreast.roots) {
+            let p = frames.to_local(p);
             let (x, y) = chord(p, p.z);
-            let root = weight.sqrt();
-            let mut values = monomials(F4::ONE, x, y);
-            for value in &mut values {
-                *value = *value * root;
+            let all = monomials(F4::ONE, x, y);
+            let mut row = [F4::ZERO; N];
+            for (value, monomial) in row.iter_mut().zip(all) {
+                *value = monomial * root;
             }
-            rows.set_lane(lane, &values[..width], p.z * root);
+            self.monomials.push(row);
+            self.heights.push(p.z * root);
         }
+    }
+
+    /// The equations of the windows, factored.
+    #[inline(always)]
+    fn factor(&mut self, abreast: &Abreast, frames: Frames) -> Factor<N> {
+        self.fill(abreast, frames);
+        let mut factor = Factor::new(&Normal::new(&self.monomials, &self.heights));
+        factor.factor(N);
+        factor
+    }
+
+    /// The models of degree 2 and higher, as far as the rows reach.
+    #[inline(always)]
+    fn models(&mut self, abreast: &Abreast, highest: [usize; LANES]) -> [Model; 5] {
+        let factor = self.factor(abreast, abreast.frames);
+        let mut models = [Model::ZERO; 5];
+        for (degree, model) in models.iter_mut().enumerate().skip(2) {
+            let is_asked_for = degree > 2 || highest.contains(&2);
+            if TERMS[degree] > N || !is_asked_for {
+                continue;
+            }
+            let size = TERMS[degree];
+            let coefficients = factor.solve(size);
+            model.residual = residual(&self.monomials, &self.heights, &coefficients, size);
+            model.coefficients[..size].copy_from_slice(&coefficients[..size]);
+            model.variance = factor.tensor_variance([size; LANES], size);
+        }
+        models
     }
 }
 
-fn tilted(normal: DVec3, x: DVec3) -> DMat3 {
-    let x = (x - x.dot(normal) * normal).normalize_or(normal.any_orthonormal_vector());
-    DMat3::from_cols(x, normal.cross(x), normal)
+impl Model {
+    const ZERO: Model = Model { coefficients: [F4::ZERO; WIDEST], residual: F4::ZERO, variance: F4::ZERO };
 }
 
-impl ChordFit {
-    /// Fits samples around `frame.origin`, none of them further from it than about `frame.unit`, and
-    /// refits `rounds` times in the frame that the fit before suggests.
-    pub(super) fn new(frame: Frame, samples: &[DVec3], rounds: usize, rows: &mut Rows) -> Option<Self> {
-        ChordFit::weighted(frame, samples, &[], 4, rounds, rows)
-    }
+struct FitLanes<'f> {
+    fitter: &'f mut ChordFitter,
+    abreast: &'f mut Abreast,
+    degrees: [usize; LANES],
+    rounds: usize,
+}
 
-    /// The same with a weight for each sample and up to a degree.
-    pub(super) fn weighted(
-        mut frame: Frame,
-        samples: &[DVec3],
-        weights: &[f64],
-        degree: usize,
-        rounds: usize,
-        rows: &mut Rows,
-    ) -> Option<Self> {
-        let carried = (2..=4).rev().find(|&d| TERMS[d] + 3 <= samples.len())?;
-        let highest = carried.min(degree);
-        for round in 0.. {
-            let last = round == rounds;
-            let degree = if last { highest } else { carried.min(3) };
-            let width = TERMS[degree];
-            rows.reset(samples.len(), width);
-            run(FillRows { frame: &frame, samples, weights, width, rows });
-            let factor = rows.factor();
-            if last {
-                let mut residuals = [0.0; 5];
-                for d in 2..=degree {
-                    residuals[d] = rows.residual(&factor.solve(TERMS[d])[..TERMS[d]], samples.len());
-                }
-                return Some(ChordFit { frame, factor, count: samples.len(), residuals, highest });
-            }
-            let c = factor.solve(width);
-            frame.origin += frame.axes.z_axis * (c[0] * frame.unit);
-            let normal = (frame.axes * DVec3::new(-c[1], -c[2], 1.0)).normalize();
-            frame.axes = tilted(normal, frame.axes.x_axis);
-            if !frame.origin.is_finite() || !normal.is_finite() {
-                return None;
-            }
+impl Kernel for FitLanes<'_> {
+    type Output = ChordFits;
+
+    #[inline(always)]
+    fn run(self) -> ChordFits {
+        let FitLanes { fitter, abreast, degrees, rounds } = self;
+        let counts = abreast.counts;
+        let carried = counts.map(|count| (2..=4).rev().find(|&d| TERMS[d] + 3 <= count).unwrap_or(0));
+        for _ in 0..rounds {
+            let factor = fitter.cubics.factor(abreast, abreast.frames);
+            let c = factor.solve_each(carried.map(|degree| TERMS[degree.min(3)]));
+            abreast.frames = abreast.frames.moved(c[0], c[1], c[2]);
         }
-        None
+        let highest: [usize; LANES] = std::array::from_fn(|lane| carried[lane].min(degrees[lane]));
+        let models = match highest.into_iter().max() {
+            Some(4) => fitter.quartics.models(abreast, highest),
+            Some(3) => fitter.cubics.models(abreast, highest),
+            _ => fitter.paraboloids.models(abreast, highest),
+        };
+        ChordFits { models, highest, counts }
+    }
+}
+
+impl ChordFitter {
+    pub(super) fn new() -> Self {
+        ChordFitter { paraboloids: Rows::NONE, cubics: Rows::NONE, quartics: Rows::NONE }
     }
 
-    /// The highest degree that the samples allow.
-    pub(super) fn highest(&self) -> usize {
-        self.highest
+    /// Fits polynomials, in each lane up to a degree, to samples around the origins of their frames, none of them further
+    /// from it than about a unit; before that, `rounds` times, a cubic that says how the frame is to be moved and tilted.
+    pub(super) fn fit(&mut self, abreast: &mut Abreast, degrees: [usize; LANES], rounds: usize) -> ChordFits {
+        run(FitLanes { fitter: self, abreast, degrees, rounds })
+    }
+}
+
+impl ChordFits {
+    /// True where a lane's samples carry a fit.
+    pub(super) fn is_carried(&self, lane: usize) -> bool {
+        self.highest[lane] > 0
     }
 
-    /// Variance of the samples about the surface of a degree, in file units squared.
-    pub(super) fn deviation_squared(&self, degree: usize) -> f64 {
-        self.residuals[degree] * self.frame.unit.powi(2) / (self.count - TERMS[degree]) as f64
+    /// The highest degree of a lane that was asked for and that its samples carry.
+    pub(super) fn highest(&self, lane: usize) -> usize {
+        self.highest[lane]
+    }
+
+    /// Variance of a lane's samples about the surface of a degree, in file units squared.
+    pub(super) fn deviation_squared(&self, lane: usize, degree: usize, frame: &Frame) -> f64 {
+        let left = (self.counts[lane] - TERMS[degree]) as f64;
+        self.models[degree].residual.0[lane] * frame.unit.powi(2) / left
     }
 
     /// Variance of the shape tensor at the middle (its squared Frobenius norm) for samples of unit
     /// variance, 1/length^4.
-    pub(super) fn tensor_variance(&self, degree: usize) -> f64 {
-        self.factor.tensor_variance(TERMS[degree]) / self.frame.unit.powi(4)
+    pub(super) fn tensor_variance(&self, lane: usize, degree: usize, frame: &Frame) -> f64 {
+        self.models[degree].variance.0[lane] / frame.unit.powi(4)
     }
 
-    pub(super) fn surface(&self, degree: usize) -> Chord {
-        let c = self.factor.solve(TERMS[degree]);
-        Chord { frame: self.frame, coefficients: std::array::from_fn(|i| c[i]) }
+    pub(super) fn surface(&self, lane: usize, degree: usize, frame: Frame) -> Chord {
+        Chord { frame, coefficients: self.models[degree].coefficients.map(|c| c.0[lane]) }
     }
 }
 
@@ -294,11 +333,21 @@ mod tests {
             })
             .collect();
         let normal = DVec3::new(0.1, -0.05, 1.0).normalize();
-        let frame = Frame { origin: DVec3::new(0.0, 0.0, 0.1), axes: tilted(normal, DVec3::X), unit: 2.5 };
-        let fit = ChordFit::new(frame, &samples, 6, &mut Rows::new()).expect("a fit");
-        for degree in [2, 3, 4] {
-            assert!(fit.deviation_squared(degree) < 1e-12, "{}", fit.deviation_squared(degree));
-            let surface = fit.surface(degree);
+        let x = normal.any_orthonormal_vector();
+        let axes = DMat3::from_cols(x, normal.cross(x), normal);
+        let mut abreast = Abreast::new();
+        abreast.load(
+            2,
+            Frame { origin: DVec3::new(0.0, 0.0, 0.1), axes, unit: 2.5 },
+            samples.iter().map(|&p| (p, 1.0)),
+        );
+        let fits = ChordFitter::new().fit(&mut abreast, [4; LANES], 6);
+        let frame = abreast.frame(2).expect("a frame");
+        assert!(fits.highest(2) == 4 && !fits.is_carried(1));
+        for degree in [3, 4] {
+            let deviation = fits.deviation_squared(2, degree, &frame);
+            assert!(deviation < 1e-12, "{deviation}");
+            let surface = fits.surface(2, degree, frame);
             for &p in &samples[..120] {
                 let (height, shape) = surface.shape_at(p).expect("a shape");
                 let k = shape.principal();

@@ -1,115 +1,150 @@
 //! Cyclides through noisy samples.
 
+use super::abreast::Abreast;
+use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::implicit::Implicit;
-use super::lanes::{F4, Kernel, LANES, Real, V3, run};
-use super::least_squares::{Factor, MOST, Rows};
-use super::polynomial::{self, Polynomial, basis};
+use super::lanes::{F4, Kernel, LANES, Real, V3, run, which};
+use super::polynomial::{MOST, Polynomial, basis};
 use super::prior::priors;
-use glam::DVec3;
 
 /// Terms of a Darboux cyclide.
 pub(super) const TERMS: usize = 13;
+/// Samples that a fit needs.
+const LEAST: usize = TERMS + 8;
 
-/// A cyclide through noisy samples: the least sum of squared distances from the surface. The residuals
-/// of its equation will not do, since noise stands on both sides of it.
+/// Fits cyclides to noisy samples, four windows at a time: the least sum of squared distances from the surface. The
+/// residuals of its equation will not do, since noise stands on both sides of it.
+pub(super) struct CyclideFitter {
+    points: Vec<V3<F4>>,
+    rows: Vec<[F4; TERMS]>,
+    values: Vec<F4>,
+}
+
+/// What came of four windows.
+pub(super) struct Cyclides {
+    coefficients: [F4; TERMS],
+    /// Lanes whose surface neither folds nor is far from a sample.
+    found: [bool; LANES],
+    residual: F4,
+    variance: F4,
+    counts: [usize; LANES],
+}
+
+/// A cyclide through noisy samples.
 pub(super) struct Cyclide {
     pub(super) surface: Implicit,
-    factor: Factor,
+    /// Variance of the shape tensor at the middle for samples of unit variance, 1/length^4.
+    pub(super) tensor_variance: f64,
     /// Variance of the samples, in file units squared.
     pub(super) misfit: f64,
 }
 
-impl Cyclide {
-    pub(super) fn fit(frame: Frame, samples: &[DVec3], noise: f64, rows: &mut Rows) -> Option<Self> {
-        const ROUNDS: usize = 3;
-        if samples.len() < TERMS + 8 {
-            return None;
-        }
-        let noise = noise / frame.unit;
-        let points: Vec<DVec3> = samples.iter().map(|&p| frame.to_local(p)).collect();
-        rows.reset(points.len(), TERMS);
-        for (row, &p) in points.iter().enumerate() {
-            rows.set(row, &terms(p), p.z);
-        }
-        let mut factor = factor_with_prior(rows, noise);
-        let mut surface = Implicit { frame, f: Polynomial { coefficients: widened(factor.solve(TERMS)), size: TERMS } };
-        for _ in 0..ROUNDS {
-            if !run(FillRows { f: &surface.f, points: &points, rows }) {
-                return None;
-            }
-            factor = factor_with_prior(rows, noise);
-            surface.f.coefficients = widened(factor.solve(TERMS));
-        }
-        let residual = rows.residual(&surface.f.coefficients[..TERMS], samples.len());
-        let misfit = residual * frame.unit.powi(2) / (samples.len() - TERMS) as f64;
-        misfit.is_finite().then_some(Cyclide { surface, factor, misfit })
+impl CyclideFitter {
+    pub(super) fn new() -> Self {
+        CyclideFitter { points: Vec::new(), rows: Vec::new(), values: Vec::new() }
     }
 
-    pub(super) fn tensor_variance(&self) -> f64 {
-        self.factor.tensor_variance(TERMS) / self.surface.frame.unit.powi(4)
+    /// Fits the windows; `noise` is the standard deviation of their samples, in file units.
+    pub(super) fn fit(&mut self, abreast: &Abreast, noise: F4) -> Cyclides {
+        run(FitLanes { fitter: self, abreast, noise })
     }
-}
-
-/// Fills rows with the distances of samples from a surface, linear in the coefficients: that of the foot,
-/// and from there to the sample. False where the surface folds or is far from a sample.
-struct FillRows<'f> {
-    f: &'f Polynomial<f64>,
-    points: &'f [DVec3],
-    rows: &'f mut Rows,
-}
-
-impl Kernel for FillRows<'_> {
-    type Output = bool;
 
     #[inline(always)]
-    fn run(self) -> bool {
+    fn factor(&self, noise: F4) -> Factor<TERMS> {
+        let mut factor = Factor::new(&Normal::new(&self.rows, &self.values));
+        factor.factor(6);
+        factor.add_priors(&priors(factor.paraboloid(), noise));
+        factor.factor(TERMS);
+        factor
+    }
+
+    /// Fills rows with the distances of samples from a surface, linear in the coefficients: that of the foot, and from
+    /// there to the sample. False for lanes where the surface folds or is far from a sample.
+    #[inline(always)]
+    fn fill(&mut self, roots: &[F4], f: &Polynomial<F4>) -> [bool; LANES] {
         /// A gradient this small, against one at the middle, belongs to a fold of the surface.
         const LEAST_SLOPE: f64 = 0.05;
-        let FillRows { f, points, rows } = self;
-        let f = f.splat();
         let (mut farthest, mut least) = (F4::ZERO, F4::splat(f64::INFINITY));
-        for lane in 0..rows.lanes() {
-            let first = lane * LANES;
-            // Lanes beyond the last point repeat it, with no weight.
-            let (mut p, mut weight) = (V3::ZERO, F4::ZERO);
-            for i in 0..LANES {
-                p.set(i, points[(first + i).min(points.len() - 1)]);
-                weight.0[i] = if first + i < points.len() { 1.0 } else { 0.0 };
-            }
+        self.rows.clear();
+        self.values.clear();
+        for (&p, &root) in self.points.iter().zip(roots) {
             let gradient = f.gradient(p);
             let foot = p - gradient.scaled(f.value(p) / gradient.dot(gradient));
             let gradient = f.gradient(foot);
             let slope = gradient.dot(gradient).sqrt();
             let way = p - foot;
-            // What is not a number counts as far.
-            farthest = (F4::splat(0.25) - way.dot(way)).if_positive(farthest, F4::splat(f64::INFINITY));
-            least = least.min(slope - F4::splat(LEAST_SLOPE));
-            let share = weight / slope;
-            let mut values: [F4; TERMS] = basis(foot, F4::ONE);
-            for value in &mut values {
-                *value = *value * share;
-            }
-            rows.set_lane(lane, &values, (foot.z + gradient.dot(way)) * share);
+            // What is not a number counts as far; beyond the end of a window nothing counts.
+            let far = (F4::splat(0.25) - way.dot(way)).if_positive(F4::ZERO, F4::ONE);
+            farthest += root.if_positive(far, F4::ZERO);
+            least = least.min(root.if_positive(slope - F4::splat(LEAST_SLOPE), F4::ONE));
+            let share = root.if_positive(root / slope, F4::ZERO);
+            self.rows.push(scaled(basis(foot, F4::ONE), share));
+            self.values.push((foot.z + gradient.dot(way)) * share);
         }
-        farthest == F4::ZERO && least.0.iter().all(|&left| left > 0.0)
+        which(|lane| farthest.0[lane] == 0.0 && least.0[lane] > 0.0)
     }
 }
 
-/// Coefficients in the largest basis.
-fn widened(coefficients: [f64; MOST]) -> [f64; polynomial::MOST] {
-    let mut all = [0.0; polynomial::MOST];
-    all[..TERMS].copy_from_slice(&coefficients[..TERMS]);
-    all
+#[inline(always)]
+fn scaled(mut row: [F4; TERMS], by: F4) -> [F4; TERMS] {
+    for value in &mut row {
+        *value = *value * by;
+    }
+    row
 }
 
-fn terms(p: DVec3) -> [f64; TERMS] {
-    basis(V3::from(p), 1.0)
+struct FitLanes<'f> {
+    fitter: &'f mut CyclideFitter,
+    abreast: &'f Abreast,
+    noise: F4,
 }
 
-/// The normal equations with a prior on the terms beyond the paraboloid.
-fn factor_with_prior(rows: &Rows, noise: f64) -> Factor {
-    let normal = rows.normal();
-    let paraboloid = normal.factor(6, &[0.0; MOST]).solve(6);
-    normal.factor(TERMS, &priors([paraboloid[3], paraboloid[4], paraboloid[5]], noise))
+impl Kernel for FitLanes<'_> {
+    type Output = Cyclides;
+
+    #[inline(always)]
+    fn run(self) -> Cyclides {
+        const ROUNDS: usize = 3;
+        let FitLanes { fitter, abreast, noise } = self;
+        let (frames, roots) = (abreast.frames, &abreast.roots[..]);
+        let noise = noise / frames.unit;
+        fitter.points.clear();
+        fitter.rows.clear();
+        fitter.values.clear();
+        for (&p, &root) in abreast.points.iter().zip(roots) {
+            let p = frames.to_local(p);
+            fitter.points.push(p);
+            fitter.rows.push(scaled(basis(p, F4::ONE), root));
+            fitter.values.push(p.z * root);
+        }
+        let mut factor = fitter.factor(noise);
+        let mut coefficients = factor.solve(TERMS);
+        let mut found = abreast.counts.map(|count| count >= LEAST);
+        for _ in 0..ROUNDS {
+            let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: TERMS };
+            f.coefficients[..TERMS].copy_from_slice(&coefficients);
+            let is_sane = fitter.fill(roots, &f);
+            found = which(|lane| found[lane] && is_sane[lane]);
+            factor = fitter.factor(noise);
+            coefficients = factor.solve(TERMS);
+        }
+        let residual = residual(&fitter.rows, &fitter.values, &coefficients, TERMS);
+        let variance = factor.tensor_variance([TERMS; LANES], TERMS);
+        Cyclides { coefficients, found, residual, variance, counts: abreast.counts }
+    }
+}
+
+impl Cyclides {
+    /// The surface of a lane, in the frame it was fitted in; `None` where it folds, is far from a sample, or the samples
+    /// are too few.
+    pub(super) fn of(&self, lane: usize, frame: Frame) -> Option<Cyclide> {
+        let mut f = Polynomial { coefficients: [0.0; MOST], size: TERMS };
+        f.coefficients.iter_mut().zip(&self.coefficients).for_each(|(to, from)| *to = from.0[lane]);
+        let tensor_variance = self.variance.0[lane] / frame.unit.powi(4);
+        let degrees = self.counts[lane] as f64 - TERMS as f64;
+        let misfit = self.residual.0[lane] * frame.unit.powi(2) / degrees;
+        let is_found = self.found[lane] && misfit.is_finite();
+        is_found.then_some(Cyclide { surface: Implicit { frame, f }, tensor_variance, misfit })
+    }
 }

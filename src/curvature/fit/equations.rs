@@ -32,34 +32,22 @@ impl<const N: usize> Normal<N> {
     /// From one row of basis functions per sample and the value it is to explain.
     #[inline(always)]
     pub(super) fn new(rows: &[[F4; N]], values: &[F4]) -> Self {
-        const BLOCK: usize = 6;
+        /// So many rows stay in the nearest cache.
+        const TILE: usize = 48;
         let mut normal = Normal { gram: [[F4::ZERO; N]; N], right: [F4::ZERO; N] };
-        for i in 0..N {
-            let mut first = 0;
-            while first <= i {
-                // A block may reach beyond the diagonal; what lies there is not used.
-                let first_of = first.min(N - BLOCK);
-                let mut sums = [F4::ZERO; BLOCK];
-                for row in rows {
-                    for (k, sum) in sums.iter_mut().enumerate() {
-                        *sum += row[i] * row[first_of + k];
-                    }
-                }
-                normal.gram[i][first_of..first_of + BLOCK].copy_from_slice(&sums);
-                first += BLOCK;
-            }
-        }
-        for first in (0..N).step_by(BLOCK) {
-            let first = first.min(N - BLOCK);
-            let mut sums = [F4::ZERO; BLOCK];
-            for (row, &value) in rows.iter().zip(values) {
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    *sum += row[first + k] * value;
-                }
-            }
-            normal.right[first..first + BLOCK].copy_from_slice(&sums);
+        for (rows, values) in rows.chunks(TILE).zip(values.chunks(TILE)) {
+            normal.add_tile(rows, values);
         }
         normal
+    }
+
+    #[inline(always)]
+    fn add_tile(&mut self, rows: &[[F4; N]], values: &[F4]) {
+        for i in 0..N {
+            let leads = rows.iter().map(|row| row[i]);
+            add_products(&mut self.gram[i], i + 1, rows, leads);
+        }
+        add_products(&mut self.right, N, rows, values.iter().copied());
     }
 
     /// Adds a row to the problem of one lane.
@@ -69,6 +57,31 @@ impl<const N: usize> Normal<N> {
                 self.gram[i][j].0[lane] += row[i] * row[j];
             }
             self.right[i].0[lane] += row[i] * value;
+        }
+    }
+}
+
+/// Adds the products of the first `until` columns with a lead in each row.
+#[inline(always)]
+fn add_products<const N: usize>(
+    totals: &mut [F4; N],
+    until: usize,
+    rows: &[[F4; N]],
+    leads: impl Iterator<Item = F4> + Clone,
+) {
+    /// Columns at a time, whose sums stay in registers.
+    const BLOCK: usize = 6;
+    for first in (0..until).step_by(BLOCK) {
+        // The last block begins earlier: it ends with the last column.
+        let start = first.min(N - BLOCK);
+        let mut sums = [F4::ZERO; BLOCK];
+        for (row, lead) in rows.iter().zip(leads.clone()) {
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += lead * row[start + k];
+            }
+        }
+        for k in first - start..BLOCK {
+            totals[start + k] += sums[k];
         }
     }
 }
@@ -135,8 +148,24 @@ impl<const N: usize> Factor<N> {
     /// Coefficients of the model of the first `size` columns; the others are zero.
     #[inline(always)]
     pub(super) fn solve(&self, size: usize) -> [F4; N] {
+        self.solve_from(self.forward, size)
+    }
+
+    /// Coefficients of a model of as many columns as is said for each lane; the others are zero.
+    #[inline(always)]
+    pub(super) fn solve_each(&self, sizes: [usize; LANES]) -> [F4; N] {
+        let mut forward = self.forward;
+        for (column, value) in forward.iter_mut().enumerate() {
+            let of_lane = |lane: usize| if column < sizes[lane] { value.0[lane] } else { 0.0 };
+            *value = F4([of_lane(0), of_lane(1), of_lane(2), of_lane(3)]);
+        }
+        self.solve_from(forward, N)
+    }
+
+    #[inline(always)]
+    fn solve_from(&self, forward: [F4; N], size: usize) -> [F4; N] {
         let mut x = [F4::ZERO; N];
-        x[..size].copy_from_slice(&self.forward[..size]);
+        x[..size].copy_from_slice(&forward[..size]);
         self.substitute_back(&mut x, size);
         for (x, &scale) in x[..size].iter_mut().zip(&self.scale) {
             *x = *x * scale;

@@ -21,11 +21,7 @@ pub(super) struct Ground<'m> {
 impl<'m> Ground<'m> {
     pub(super) fn new(mesh: &'m Mesh, over_features: bool, progress: &'m dyn Progress) -> Self {
         let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
-        // Relative to the mesh, so that 32 bits hold the squares too.
-        let scale = mesh.report().bounds.map_or(1.0, |b| 1.0 / b.size().max_element());
-        let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
-        for f in sound {
-            let normal = (scaled_normal(mesh, f) * scale).as_vec3();
+        for (f, normal) in sound_normals(mesh) {
             for v in mesh.topology().corners(f) {
                 normals[v.index()] += normal;
             }
@@ -36,4 +32,11 @@ impl<'m> Ground<'m> {
     pub(super) fn position(&self, vertex: u32) -> DVec3 {
         self.mesh.positions()[vertex as usize]
     }
+}
+
+/// The sound faces and their normals, as long as they are wide against the mesh: so that 32 bits hold the squares too.
+pub(super) fn sound_normals(mesh: &Mesh) -> impl Iterator<Item = (Face, Vec3)> {
+    let scale = mesh.report().bounds.map_or(1.0, |b| 1.0 / b.size().max_element());
+    let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
+    sound.map(move |f| (f, (scaled_normal(mesh, f) * scale).as_vec3()))
 }

@@ -298,11 +298,6 @@ impl From<V3<f64>> for glam::Vec3 {
 }
 
 impl V3<F4> {
-    #[inline(always)]
-    pub(in crate::curvature) fn splat(v: glam::DVec3) -> Self {
-        V3 { x: F4::splat(v.x), y: F4::splat(v.y), z: F4::splat(v.z) }
-    }
-
     pub(in crate::curvature) const ZERO: Self = V3 { x: F4::ZERO, y: F4::ZERO, z: F4::ZERO };
 
     #[inline(always)]

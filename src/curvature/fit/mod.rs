@@ -11,19 +11,21 @@
 //!
 //! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
+mod abreast;
 mod batch;
 mod choice;
 mod chord;
 mod cyclide;
 mod equations;
 mod exact;
+mod fans;
 mod first;
 mod flats;
 mod frame;
 mod ground;
 mod implicit;
 pub(super) mod lanes;
-mod least_squares;
+
 mod marks;
 mod one_sided;
 mod patches;
@@ -45,6 +47,7 @@ use crate::disk::{Disk, Frame as DiskFrame};
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::progress::Progress;
 use batch::WANTED;
+use fans::Fans;
 use first::{Quality, Reading, Surveyor};
 use glam::Vec3;
 use ground::Ground;
@@ -52,9 +55,9 @@ use lanes::LANES;
 use patches::Blended;
 use quantum::quantum;
 use rayon::prelude::*;
-use samples::Sampler;
 use shape::Principal;
 use std::ops::Range;
+use steady::Steady;
 use window::Window;
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
@@ -89,21 +92,21 @@ pub(super) fn estimate(
         disk: Disk::new(),
     };
     if radius(Face(0)).is_some() {
-        let tools = || (worker(), Sampler::new(&ground));
-        out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, sampler), (chunk, out)| {
+        let fans = Fans::new(&ground);
+        let tools = || (worker(), Steady::new(&fans));
+        out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
             let mut left = Vec::new();
-            for (f, out) in (chunk * CHUNK..).zip(&mut *out) {
-                let face = Face(f as u32);
-                if mesh.face_state(face) != FaceState::Sound {
-                    continue;
-                }
-                let value = radius(face).and_then(|r| steady::within(sampler, face, r, quantum));
-                match value {
-                    Some(value) => {
-                        let coverage = ground.stars.coverage(sampler.vertices());
-                        *out = blended_value(coverage, &value, Method::Window, options);
+            let faces = (chunk * CHUNK..).take(out.len()).map(|f| Face(f as u32));
+            let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
+            let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
+            for faces in wanted.chunks(LANES) {
+                for (&(face, _), value) in faces.iter().zip(steady.within(faces, quantum)) {
+                    match value {
+                        Some((value, coverage)) => {
+                            out[face.index() % CHUNK] = blended_value(coverage, &value, Method::Window, options);
+                        }
+                        None => left.push(face),
                     }
-                    None => left.push(face),
                 }
             }
             for face in left {
@@ -185,14 +188,17 @@ fn look_wider(ground: &Ground<'_>, options: &CurvatureOptions, mut wanted: Vec<b
     let count = wanted.iter().filter(|w| **w).count();
     let is_everywhere = 2 * count > out.iter().filter(|v| v.is_estimated()).count();
     let seeds = patches::seeds(ground, &wanted);
-    let (values, method) = if scale::is_rough(ground, &seeds) {
+    let fans = Fans::new(ground);
+    let (values, method) = if scale::is_rough(&fans, &seeds) {
         if is_everywhere {
             // Faces that fit by chance would stand out among the others.
             wanted.iter_mut().zip(&*out).for_each(|(wanted, value)| *wanted = value.is_estimated());
         }
-        (steady::around_vertices(&Ground::new(ground.mesh, true, ground.progress)), Method::Window)
+        drop(fans);
+        let over_features = Ground::new(ground.mesh, true, ground.progress);
+        (steady::around_vertices(&Fans::new(&over_features)), Method::Window)
     } else {
-        (scale::estimate(ground, &seeds, &wanted), Method::Patches)
+        (scale::estimate(&fans, &seeds, &wanted), Method::Patches)
     };
     for ((out, value), wanted) in out.iter_mut().zip(values).zip(wanted) {
         if let Some(value) = value.filter(|_| wanted) {

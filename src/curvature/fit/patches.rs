@@ -6,14 +6,14 @@
 use super::chord::Chord;
 use super::ground::Ground;
 use super::implicit::Implicit;
-use super::samples::Sampler;
 use super::shape::Shape;
+use super::stars::Lists;
 use crate::mesh::{Face, FaceState};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 /// A patch is evaluated up to this share of its window's radius.
-const REACH: f64 = 0.85;
+pub(super) const REACH: f64 = 0.85;
 
 /// A fitted surface of either kind.
 #[derive(Clone, Copy)]
@@ -23,11 +23,14 @@ pub(super) enum Surface {
 }
 
 pub(super) struct Patch {
+    pub(super) seed: Face,
     pub(super) surface: Surface,
     /// Expected error of its shape tensor, 1/length.
     pub(super) error: f64,
     /// Standard deviation of its samples, in file units.
     pub(super) noise: f64,
+    /// The faces it reaches.
+    pub(super) faces: Vec<u32>,
 }
 
 /// What patches or windows say about a face.
@@ -40,7 +43,14 @@ pub(super) struct Blended {
 
 impl Patch {
     fn radius(&self) -> f64 {
-        match &self.surface {
+        self.surface.radius()
+    }
+}
+
+impl Surface {
+    /// Of the window.
+    pub(super) fn radius(&self) -> f64 {
+        match self {
             Surface::Chord(chord) => chord.frame.unit,
             Surface::Implicit(implicit) => implicit.frame.unit,
         }
@@ -48,7 +58,7 @@ impl Patch {
 
     /// Height of a point over the surface and the shape there.
     fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
-        match &self.surface {
+        match self {
             Surface::Chord(chord) => chord.shape_at(point),
             Surface::Implicit(implicit) => Some((implicit.distance(point), implicit.shape_at(point)?)),
         }
@@ -87,78 +97,27 @@ pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
         .collect()
 }
 
-/// Blends the patches of the seeds over the faces that are `wanted`; `None` where none reaches.
-pub(super) fn blend(
-    ground: &Ground<'_>,
-    seeds: &[Face],
-    patches: &[Option<Patch>],
-    wanted: &[bool],
-) -> Vec<Option<Blended>> {
-    let by_face = Reached::new(ground, seeds, patches, wanted);
-    (0..wanted.len())
-        .into_par_iter()
-        .map(|f| {
-            let patches =
-                by_face.of(f).iter().filter_map(|&i| Some((seeds[i as usize], patches[i as usize].as_ref()?)));
-            blend_face(ground, Face(f as u32), patches)
-        })
-        .collect()
+/// Blends patches over the faces that are `wanted`; `None` where none reaches.
+pub(super) fn blend(ground: &Ground<'_>, patches: &[Patch], wanted: &[bool]) -> Vec<Option<Blended>> {
+    let by_face = Lists::of_pairs(wanted.len(), || {
+        let numbered = patches.iter().enumerate();
+        numbered.flat_map(|(i, patch)| patch.faces.iter().map(move |&f| (f, i as u32)))
+    });
+    let blended = |f: u32| {
+        let reaching = by_face.of(f).iter().map(|&i| &patches[i as usize]);
+        wanted[f as usize].then(|| blend_face(ground, Face(f), reaching)).flatten()
+    };
+    (0..wanted.len() as u32).into_par_iter().map(blended).collect()
 }
 
-/// The patches that reach each face, in the order of their seeds.
-struct Reached {
-    ends: Vec<u32>,
-    patches: Vec<u32>,
-}
-
-impl Reached {
-    fn new(ground: &Ground<'_>, seeds: &[Face], patches: &[Option<Patch>], wanted: &[bool]) -> Self {
-        let pairs: Vec<Vec<(u32, u32)>> = (0..seeds.len())
-            .into_par_iter()
-            .map_init(
-                || Sampler::new(ground),
-                |sampler, i| {
-                    ground.progress.advance(0);
-                    let Some(patch) = &patches[i] else { return Vec::new() };
-                    let near = sampler.faces_within(seeds[i], REACH * patch.radius());
-                    near.into_iter().filter(|&f| wanted[f as usize]).map(|f| (f, i as u32)).collect()
-                },
-            )
-            .collect();
-        let mut ends = vec![0_u32; wanted.len() + 1];
-        for &(f, _) in pairs.iter().flatten() {
-            ends[f as usize + 1] += 1;
-        }
-        for f in 1..ends.len() {
-            ends[f] += ends[f - 1];
-        }
-        let mut next = ends.clone();
-        let mut reached = vec![0; pairs.iter().map(Vec::len).sum()];
-        for &(f, patch) in pairs.iter().flatten() {
-            let at = &mut next[f as usize];
-            reached[*at as usize] = patch;
-            *at += 1;
-        }
-        Reached { ends, patches: reached }
-    }
-
-    fn of(&self, face: usize) -> &[u32] {
-        &self.patches[self.ends[face] as usize..self.ends[face + 1] as usize]
-    }
-}
-
-fn blend_face<'p>(
-    ground: &Ground<'_>,
-    face: Face,
-    patches: impl Iterator<Item = (Face, &'p Patch)>,
-) -> Option<Blended> {
+fn blend_face<'p>(ground: &Ground<'_>, face: Face, patches: impl Iterator<Item = &'p Patch>) -> Option<Blended> {
     let mesh = ground.mesh;
     let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
     let mut sum = Mean::new();
-    for (seed, patch) in patches {
+    for patch in patches {
         let radius = patch.radius();
-        let x = mesh.barycentre(seed).distance_squared(centre) / (REACH * radius).powi(2);
-        let Some((height, shape)) = patch.shape_at(centre) else { continue };
+        let x = mesh.barycentre(patch.seed).distance_squared(centre) / (REACH * radius).powi(2);
+        let Some((height, shape)) = patch.surface.shape_at(centre) else { continue };
         let facing = shape.normal.dot(normal);
         if x >= 1.0 || facing <= 0.0 {
             continue;

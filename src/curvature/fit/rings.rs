@@ -36,14 +36,17 @@ impl Rings {
     /// have to be told from another for that.
     #[inline]
     pub(super) fn grow(&mut self, ground: &Ground<'_>) -> bool {
+        self.grow_to(|v| (!ground.stars.is_divided(v)).then(|| ground.stars.neighbours(v)))
+    }
+
+    /// Adds what `neighbours` has for all in the last ring, vertices or fans. False, and in an undefined state, where it has
+    /// none.
+    #[inline]
+    pub(super) fn grow_to<'n>(&mut self, neighbours: impl Fn(u32) -> Option<&'n [u32]>) -> bool {
         let ring = self.inner..self.vertices.len();
         self.inner = ring.end;
         for at in ring {
-            let v = self.vertices[at];
-            if ground.stars.is_divided(v) {
-                return false;
-            }
-            let neighbours = ground.stars.neighbours(v);
+            let Some(neighbours) = neighbours(self.vertices[at]) else { return false };
             self.seen.make_room(neighbours.len());
             for &w in neighbours {
                 if self.seen.insert(w) {

@@ -55,9 +55,9 @@ impl<'m> Stars<'m> {
         neighbours.make_room();
         for h in half_edges(mesh) {
             let (a, b) = (topology.origin(h), topology.target(h));
-            neighbours.push(a, b.0);
+            neighbours.push(a.0, b.0);
             if !is_shown_twice(h) {
-                neighbours.push(b, a.0);
+                neighbours.push(b.0, a.0);
             }
         }
         for (v, mark) in marks.iter_mut().enumerate() {
@@ -93,8 +93,9 @@ impl<'m> Stars<'m> {
     }
 
     /// The share of vertices that lie neither on a border nor on a sharp edge.
-    pub(super) fn coverage(&self, vertices: &[u32]) -> f64 {
-        vertices.iter().filter(|&&v| self.is_inside(v)).count() as f64 / vertices.len() as f64
+    pub(super) fn coverage(&self, vertices: impl ExactSizeIterator<Item = u32>) -> f64 {
+        let count = vertices.len() as f64;
+        vertices.filter(|&v| self.is_inside(v)).count() as f64 / count
     }
 
     #[inline]
@@ -116,14 +117,14 @@ impl<'m> Stars<'m> {
 }
 
 /// The half-edges of the faces that take part.
-fn half_edges(mesh: &Mesh) -> impl Iterator<Item = HalfEdge> {
+pub(super) fn half_edges(mesh: &Mesh) -> impl Iterator<Item = HalfEdge> {
     let takes_part = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
     (0..mesh.face_count() as u32).map(Face).filter(takes_part).flat_map(Face::half_edges)
 }
 
-/// A list of numbers for every vertex, one behind the other: first the lengths are counted in `ends`, then there
-/// is room, then the numbers are pushed.
-struct Lists {
+/// Lists of numbers one behind the other, as many as vertices for instance: first the lengths are counted in `ends`, then
+/// there is room, then the numbers are pushed.
+pub(super) struct Lists {
     ends: Vec<u32>,
     entries: Vec<u32>,
 }
@@ -133,13 +134,18 @@ impl Lists {
         Lists { ends: vec![0; count], entries: Vec::new() }
     }
 
+    /// From pairs of a list and an entry.
+    pub(super) fn of_pairs<I: Iterator<Item = (u32, u32)>>(count: usize, pairs: impl Fn() -> I) -> Self {
+        let mut lists = Lists::counted(count);
+        pairs().for_each(|(list, _)| lists.ends[list as usize] += 1);
+        lists.make_room();
+        pairs().for_each(|(list, entry)| lists.push(list, entry));
+        lists
+    }
+
     fn of_faces(mesh: &Mesh) -> Self {
-        let topology = mesh.topology();
-        let mut faces = Lists::counted(mesh.positions().len());
-        half_edges(mesh).for_each(|h| faces.ends[topology.origin(h).index()] += 1);
-        faces.make_room();
-        half_edges(mesh).for_each(|h| faces.push(topology.origin(h), h.face().0));
-        faces
+        let corners = || half_edges(mesh).map(|h| (mesh.topology().origin(h).0, h.face().0));
+        Lists::of_pairs(mesh.positions().len(), corners)
     }
 
     /// Turns lengths into starts.
@@ -153,15 +159,15 @@ impl Lists {
 
     /// Pushing moves the start of each list to its end.
     #[inline]
-    fn push(&mut self, vertex: Vertex, entry: u32) {
-        let at = &mut self.ends[vertex.index()];
+    fn push(&mut self, list: u32, entry: u32) {
+        let at = &mut self.ends[list as usize];
         self.entries[*at as usize] = entry;
         *at += 1;
     }
 
     #[inline]
-    fn of(&self, vertex: u32) -> &[u32] {
-        let start = if vertex == 0 { 0 } else { self.ends[vertex as usize - 1] };
-        &self.entries[start as usize..self.ends[vertex as usize] as usize]
+    pub(super) fn of(&self, list: u32) -> &[u32] {
+        let start = if list == 0 { 0 } else { self.ends[list as usize - 1] };
+        &self.entries[start as usize..self.ends[list as usize] as usize]
     }
 }

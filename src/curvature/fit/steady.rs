@@ -2,9 +2,11 @@
 //!
 //! For surfaces that are rough at every scale, and for a radius that the user has given.
 
-use super::chord::ChordFit;
+use super::abreast::Abreast;
+use super::chord::ChordFitter;
+use super::fans::Fans;
 use super::frame::Frame;
-use super::ground::Ground;
+use super::lanes::LANES;
 use super::patches::{Blended, Mean};
 use super::samples::Sampler;
 use super::shape::Shape;
@@ -17,32 +19,46 @@ pub(super) const ROUGH_WINDOW: usize = 120;
 /// Least number of vertices in a window of given radius, where the patch has them.
 const LEAST: usize = 16;
 
+/// Fits windows around four places at a time; one per thread.
+pub(super) struct Steady<'g> {
+    samplers: [Sampler<'g>; LANES],
+    abreast: Abreast,
+    chords: ChordFitter,
+}
+
+/// A window that its sampler has taken.
+struct Taken {
+    frame: Frame,
+    /// Where the surface is looked at.
+    centre: DVec3,
+    /// Of the polynomial, at most.
+    degree: usize,
+}
+
 /// The values of all faces of a rough surface: a paraboloid in chord coordinates around every vertex,
 /// averaged over each face's corners.
-pub(super) fn around_vertices(ground: &Ground<'_>) -> Vec<Option<Blended>> {
-    let mesh = ground.mesh;
-    let at_vertices: Vec<Option<Blended>> = (0..mesh.positions().len() as u32)
-        .into_par_iter()
-        .map_init(
-            || Sampler::new(ground),
-            |sampler, v| {
-                ground.progress.advance(0);
-                if ground.stars.neighbours(v).is_empty() {
-                    return None;
-                }
-                let centre = mesh.positions()[v as usize];
-                sampler.start_at(v);
-                let frame = sampler.take_nearest(centre, ROUGH_WINDOW)?;
-                weighted(sampler, frame, centre, 2)
-            },
-        )
-        .collect();
-    (0..mesh.face_count() as u32)
+pub(super) fn around_vertices(fans: &Fans<'_>) -> Vec<Option<Blended>> {
+    const CHUNK: usize = 256;
+    let ground = fans.ground;
+    let mut around: Vec<Option<Blended>> = vec![None; ground.mesh.positions().len()];
+    around.par_chunks_mut(CHUNK).enumerate().for_each_init(
+        || Steady::new(fans),
+        |steady, (chunk, values)| {
+            ground.progress.advance(0);
+            let is_used = |&v: &usize| !ground.stars.neighbours(v as u32).is_empty();
+            let used: Vec<usize> = (chunk * CHUNK..).take(values.len()).filter(is_used).collect();
+            for four in used.chunks(LANES) {
+                let found = steady.around(four);
+                four.iter().zip(found).for_each(|(v, value)| values[v % CHUNK] = value);
+            }
+        },
+    );
+    (0..ground.mesh.face_count() as u32)
         .into_par_iter()
         .map(|f| {
             let mut mean = Mean::new();
-            for v in mesh.topology().corners(Face(f)) {
-                if let Some(value) = &at_vertices[v.index()] {
+            for v in ground.mesh.topology().corners(Face(f)) {
+                if let Some(value) = &around[v.index()] {
                     mean.add(value, 1.0);
                 }
             }
@@ -51,35 +67,81 @@ pub(super) fn around_vertices(ground: &Ground<'_>) -> Vec<Option<Blended>> {
         .collect()
 }
 
-/// The value of a face from all vertices within a radius of its barycentre; exactly flat where they all
-/// lie in its plane, as well as coordinates rounded by `quantum` tell.
-pub(super) fn within(sampler: &mut Sampler<'_>, face: Face, radius: f64, quantum: f64) -> Option<Blended> {
-    let mesh = sampler.ground.mesh;
-    let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
-    sampler.start(face);
-    let frame = sampler.take_within(centre, radius, LEAST)?;
-    // The rounding of the face's corners tilts its plane, more at a distance.
-    let reach = 4.0 * quantum * (1.0 + frame.unit / mesh.least_height(face)) + 1e-14 * frame.unit;
-    if sampler.points.iter().all(|&p| (p - centre).dot(normal).abs() <= reach) {
-        let shape = Shape { normal, tensor: DMat3::ZERO };
-        return Some(Blended { shape, radius: frame.unit, error: 0.0 });
+impl<'g> Steady<'g> {
+    pub(super) fn new(fans: &'g Fans<'g>) -> Self {
+        let samplers = std::array::from_fn(|_| Sampler::new(fans));
+        Steady { samplers, abreast: Abreast::new(), chords: ChordFitter::new() }
     }
-    weighted(sampler, frame, centre, 4)
-}
 
-/// A chord fit with weights that fall towards the rim, of the highest degree up to `degree` that the
-/// samples carry several times over.
-fn weighted(sampler: &mut Sampler<'_>, frame: Frame, centre: DVec3, degree: usize) -> Option<Blended> {
-    sampler.weigh(&frame);
-    let carried = match sampler.points.len() {
-        0..24 => 2,
-        24..45 => 3,
-        _ => 4,
-    };
-    let degree = degree.min(carried);
-    let fit = ChordFit::weighted(frame, &sampler.points, &sampler.weights, degree, 2, &mut sampler.rows)?;
-    let degree = fit.highest();
-    let (_, shape) = fit.surface(degree).shape_at(centre)?;
-    let error = (fit.deviation_squared(degree) * fit.tensor_variance(degree)).sqrt();
-    Some(Blended { shape, radius: frame.unit, error })
+    /// Paraboloids around up to four vertices.
+    fn around(&mut self, vertices: &[usize]) -> [Option<Blended>; LANES] {
+        self.fit(vertices.len(), |lane, sampler| {
+            let vertex = vertices[lane] as u32;
+            let centre = sampler.fans.ground.position(vertex);
+            sampler.start_at(vertex);
+            Some(Taken { frame: sampler.take_nearest(centre, ROUGH_WINDOW)?, centre, degree: 2 })
+        })
+    }
+
+    /// The values of up to four faces, each with the coverage of its window, from all vertices within a radius of their
+    /// barycentres; exactly flat where they all lie in a face's plane, as well as coordinates rounded by `quantum` tell.
+    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: f64) -> [Option<(Blended, f64)>; LANES] {
+        let mut flat = [None; LANES];
+        let fitted = self.fit(faces.len(), |lane, sampler| {
+            let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
+            let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
+            sampler.start(face);
+            let frame = sampler.take_within(centre, radius, LEAST)?;
+            // The rounding of the face's corners tilts its plane, more at a distance.
+            let reach = 4.0 * quantum * (1.0 + frame.unit / mesh.least_height(face)) + 1e-14 * frame.unit;
+            if sampler.points.iter().all(|&p| (p - centre).dot(normal).abs() <= reach) {
+                let shape = Shape { normal, tensor: DMat3::ZERO };
+                flat[lane] = Some(Blended { shape, radius: frame.unit, error: 0.0 });
+                return None;
+            }
+            Some(Taken { frame, centre, degree: 4 })
+        });
+        std::array::from_fn(|lane| {
+            let sampler = &self.samplers[lane];
+            let value = flat[lane].or(fitted[lane])?;
+            Some((value, sampler.coverage()))
+        })
+    }
+
+    /// Chord fits with weights that fall towards the rims, of the highest degrees up to those wanted that the samples
+    /// carry several times over.
+    fn fit(
+        &mut self,
+        count: usize,
+        mut take: impl FnMut(usize, &mut Sampler<'_>) -> Option<Taken>,
+    ) -> [Option<Blended>; LANES] {
+        let Steady { samplers, abreast, chords } = self;
+        abreast.clear();
+        let mut degrees = [0; LANES];
+        let taken: [Option<Taken>; LANES] = std::array::from_fn(|lane| {
+            let sampler = &mut samplers[lane];
+            let taken = if lane < count { take(lane, sampler) } else { None }?;
+            let carried = match sampler.points.len() {
+                0..24 => 2,
+                24..45 => 3,
+                _ => 4,
+            };
+            degrees[lane] = taken.degree.min(carried);
+            sampler.weigh(&taken.frame);
+            let samples = sampler.points.iter().copied().zip(sampler.roots.iter().copied());
+            abreast.load(lane, taken.frame, samples);
+            Some(taken)
+        });
+        if taken.iter().all(Option::is_none) {
+            return [None; LANES];
+        }
+        let fits = chords.fit(abreast, degrees, 2);
+        std::array::from_fn(|lane| {
+            let centre = taken[lane].as_ref()?.centre;
+            let (frame, degree) = (abreast.frame(lane).filter(|_| fits.is_carried(lane))?, fits.highest(lane));
+            let (_, shape) = fits.surface(lane, degree, frame).shape_at(centre)?;
+            let variance = fits.deviation_squared(lane, degree, &frame) * fits.tensor_variance(lane, degree, &frame);
+            Some(Blended { shape, radius: frame.unit, error: variance.sqrt() })
+        })
+    }
 }

@@ -42,15 +42,6 @@ impl Window {
         self.add(mesh, seed);
     }
 
-    /// Begins with the faces at a vertex.
-    pub(super) fn start_at(&mut self, mesh: &Mesh, stars: &Stars<'_>, vertex: u32) {
-        let Some((&first, others)) = stars.of(vertex).split_first() else { return };
-        self.start(mesh, Face(first));
-        for &face in others.iter().take(CROWDED) {
-            self.add(mesh, Face(face));
-        }
-    }
-
     /// Lays whole rings until there are `count` vertices or no more.
     pub(super) fn grow_to(&mut self, mesh: &Mesh, stars: &Stars<'_>, ignore_features: bool, count: usize) {
         while self.vertices.len() < count && !self.exhausted {
