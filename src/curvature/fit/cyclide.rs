@@ -105,7 +105,7 @@ impl Kernel for FitLanes<'_> {
 
     #[inline(always)]
     fn run(self) -> Cyclides {
-        const ROUNDS: usize = 3;
+        const ROUNDS: usize = 1;
         let FitLanes { fitter, abreast, noise } = self;
         let (frames, roots) = (abreast.frames, &abreast.roots[..]);
         let noise = noise / frames.unit;

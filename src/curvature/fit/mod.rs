@@ -31,11 +31,13 @@ mod one_sided;
 mod patches;
 mod polynomial;
 mod prior;
+mod probe;
 mod quantum;
 mod rings;
 mod rulings;
 mod samples;
 mod scale;
+mod seeds;
 mod shape;
 mod stars;
 mod steady;
@@ -83,6 +85,7 @@ pub(super) fn estimate(
     out: &mut [FaceCurvature],
 ) {
     let ground = Ground::new(mesh, false, progress);
+    let is_sound = |face: Face| mesh.face_state(face) == FaceState::Sound;
     let quantum = quantum(mesh);
     let worker = || Worker {
         ground: &ground,
@@ -97,8 +100,8 @@ pub(super) fn estimate(
         out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
             let mut left = Vec::new();
             let faces = (chunk * CHUNK..).take(out.len()).map(|f| Face(f as u32));
-            let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
-            let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
+            let wanted: Vec<(Face, f64)> =
+                faces.filter(|&face| is_sound(face)).filter_map(|face| Some((face, radius(face)?))).collect();
             for faces in wanted.chunks(LANES) {
                 for (&(face, _), value) in faces.iter().zip(steady.within(faces, quantum)) {
                     match value {
@@ -121,6 +124,27 @@ pub(super) fn estimate(
         return;
     }
 
+    if is_noisy_all_over(mesh, &mut worker()) {
+        // To fit small windows around every face would be in vain.
+        out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
+            let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(&mut *out);
+            faces
+                .filter(|(face, _)| is_sound(*face))
+                .for_each(|(face, out)| out.coverage = worker.surveyor.coverage(face));
+            progress.advance(out.len() as u64);
+        });
+        let wanted: Vec<bool> = (0..out.len() as u32).map(|f| is_sound(Face(f))).collect();
+        look_wider(&ground, options, &wanted, true, out);
+        let left = out.iter_mut().enumerate().filter(|(f, out)| wanted[*f] && !out.is_estimated());
+        let mut worker = worker();
+        for (f, out) in left {
+            worker.first(f as u32..f as u32 + 1, std::slice::from_mut(out), &mut [Quality::NO_FIT]);
+            // Its plane alone says nothing.
+            out.confidence = if out.coverage == 0.0 { 0.0 } else { out.confidence };
+        }
+        return;
+    }
+
     let mut quality = vec![Quality::NO_FIT; out.len()];
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
     both.enumerate().for_each_init(worker, |worker, (chunk, (out, quality))| {
@@ -131,12 +155,46 @@ pub(super) fn estimate(
     if quality.iter().any(Quality::is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
-    let doubtful = |(value, quality): (&FaceCurvature, &Quality)| quality.is_doubtful && value.method == Method::Fit;
-    let wanted: Vec<bool> = out.iter().zip(&quality).map(doubtful).collect();
+    let mut wanted: Vec<bool> = out.iter().zip(&quality).map(is_doubtful).collect();
     drop(quality);
-    if wanted.contains(&true) {
-        look_wider(&ground, options, wanted, out);
+    let count = wanted.iter().filter(|wanted| **wanted).count();
+    if count == 0 {
+        return;
     }
+    let is_everywhere = 2 * count > out.iter().filter(|value| value.is_estimated()).count();
+    if is_everywhere {
+        // Noise makes some edges sharp, and leaves faces between them that nothing can be fitted to.
+        for (wanted, value) in wanted.iter_mut().zip(&mut *out) {
+            *wanted |= value.method == Method::Sections;
+            value.confidence = if value.coverage == 0.0 { 0.0 } else { value.confidence };
+        }
+    }
+    look_wider(&ground, options, &wanted, is_everywhere, out);
+}
+
+/// True where the values of a face may be off because no surface explains its window.
+fn is_doubtful((value, quality): (&FaceCurvature, &Quality)) -> bool {
+    quality.is_doubtful && value.method == Method::Fit
+}
+
+/// True for large surfaces of which nearly all windows are noisy, as faces here and there tell.
+fn is_noisy_all_over(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
+    /// Fewer faces are looked at one by one.
+    const LEAST: usize = 20_000;
+    /// Faces of a first and a second look, and how many of them must be doubtful.
+    const LOOKS: [(usize, f64); 2] = [(64, 0.9), (1024, 0.95)];
+    mesh.face_count() >= LEAST
+        && LOOKS.into_iter().all(|(count, least)| {
+            let faces = (0..mesh.face_count()).step_by(mesh.face_count() / count).map(|f| f as u32);
+            let (mut fitted, mut doubtful) = (0, 0);
+            for f in faces.filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound) {
+                let (mut value, mut quality) = (FaceCurvature::NOT_ESTIMATED, Quality::NO_FIT);
+                worker.first(f..f + 1, std::slice::from_mut(&mut value), std::slice::from_mut(&mut quality));
+                fitted += usize::from(value.method == Method::Fit);
+                doubtful += usize::from(is_doubtful((&value, &quality)));
+            }
+            fitted > count / 2 && doubtful as f64 > least * fitted as f64
+        })
 }
 
 /// Values for faces whose windows no surface explains, from the part of the surroundings that goes on as the face does.
@@ -183,30 +241,43 @@ fn look_aside<'g>(
     flats::settle(ground, quantum, quality, out);
 }
 
-/// Replaces the values that are `wanted` by what larger windows say.
-fn look_wider(ground: &Ground<'_>, options: &CurvatureOptions, mut wanted: Vec<bool>, out: &mut [FaceCurvature]) {
-    let count = wanted.iter().filter(|w| **w).count();
-    let is_everywhere = 2 * count > out.iter().filter(|v| v.is_estimated()).count();
-    let seeds = patches::seeds(ground, &wanted);
+/// Replaces the values that are `wanted` by what larger windows say, where they say anything. Where the surface is noisy
+/// everywhere, sharp edges are noise too if they leave no room for a window.
+fn look_wider(
+    ground: &Ground<'_>,
+    options: &CurvatureOptions,
+    wanted: &[bool],
+    is_everywhere: bool,
+    out: &mut [FaceCurvature],
+) {
+    let seeds = seeds::seeds(ground, wanted);
     let fans = Fans::new(ground);
-    let (values, method) = if scale::is_rough(&fans, &seeds) {
-        if is_everywhere {
-            // Faces that fit by chance would stand out among the others.
-            wanted.iter_mut().zip(&*out).for_each(|(wanted, value)| *wanted = value.is_estimated());
+    let is_rough = scale::is_rough(&fans, &seeds);
+    let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted) };
+    drop(fans);
+    let mut left = wanted.to_vec();
+    let replace = |values: Vec<Option<Blended>>, method: Method, left: &mut [bool], out: &mut [FaceCurvature]| {
+        for ((out, value), left) in out.iter_mut().zip(values).zip(left) {
+            if let Some(value) = value.filter(|_| std::mem::replace(left, false)) {
+                *out = blended_value(out.coverage.into(), &value, method, options);
+            }
         }
-        drop(fans);
-        let over_features = Ground::new(ground.mesh, true, ground.progress);
-        (steady::around_vertices(&Fans::new(&over_features)), Method::Window)
-    } else {
-        (scale::estimate(&fans, &seeds, &wanted), Method::Patches)
     };
-    for ((out, value), wanted) in out.iter_mut().zip(values).zip(wanted) {
-        if let Some(value) = value.filter(|_| wanted) {
-            *out = blended_value(out.coverage.into(), &value, method, options);
-        } else if is_everywhere && out.coverage == 0.0 {
-            // Alone between edges that noise has made sharp: its plane says nothing.
-            out.confidence = 0.0;
-        }
+    replace(values, Method::Patches, &mut left, out);
+    if !is_rough && !(is_everywhere && left.contains(&true)) {
+        return;
+    }
+    if is_rough && is_everywhere {
+        // Faces that fit by chance would stand out among the others.
+        left.iter_mut().zip(&*out).for_each(|(left, value)| *left |= value.is_estimated());
+    }
+    let ground = Ground::new(ground.mesh, true, ground.progress);
+    let fans = Fans::new(&ground);
+    if is_rough {
+        replace(steady::around_vertices(&fans), Method::Window, &mut left, out);
+    } else {
+        let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left);
+        replace(values, Method::Patches, &mut left, out);
     }
 }
 

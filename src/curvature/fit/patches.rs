@@ -8,7 +8,7 @@ use super::ground::Ground;
 use super::implicit::Implicit;
 use super::shape::Shape;
 use super::stars::Lists;
-use crate::mesh::{Face, FaceState};
+use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -63,38 +63,6 @@ impl Surface {
             Surface::Implicit(implicit) => Some((implicit.distance(point), implicit.shape_at(point)?)),
         }
     }
-}
-
-/// Faces of which none shares a vertex with another: those whose number is the greatest around. Numbers
-/// are drawn from the cells of a fine grid over the mesh, so that neither the order of faces nor the
-/// place and size of the mesh plays a part.
-pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
-    const CELLS: f64 = (1 << 18) as f64;
-    let mesh = ground.mesh;
-    let (corner, size) = mesh.report().bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
-    let corner = corner - mesh.origin();
-    let mix = |mut x: u64| {
-        x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
-        x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
-        x ^ (x >> 33)
-    };
-    let draw = |f: u32| {
-        let cell = (mesh.barycentre(Face(f)) - corner) * (CELLS / size);
-        // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
-        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).max(0.0) as u64))
-    };
-    let numbers: Vec<u64> =
-        (0..wanted.len() as u32).into_par_iter().map(|f| if wanted[f as usize] { draw(f) } else { 0 }).collect();
-    let rank = |f: u32| (numbers[f as usize], f);
-    (0..wanted.len() as u32)
-        .into_par_iter()
-        .filter(|&f| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound)
-        .filter(|&f| {
-            let corners = mesh.topology().corners(Face(f));
-            corners.iter().all(|v| ground.stars.of(v.0).iter().all(|&g| rank(g) <= rank(f)))
-        })
-        .map(Face)
-        .collect()
 }
 
 /// Blends patches over the faces that are `wanted`; `None` where none reaches.

@@ -120,8 +120,7 @@ impl<'g> Sampler<'g> {
         self.points.clear();
         self.points.extend(taken.iter().map(|&(_, fan)| fans.position(fan)));
         let normal: Vec3 = taken.iter().map(|&(_, fan)| fans.normal(fan)).sum();
-        let frame = Frame::around(centre, normal.as_dvec3(), self.points.iter().copied())?;
-        Some(Frame { unit: radius, ..frame })
+        Frame::upright(centre, normal.as_dvec3(), radius)
     }
 
     /// The share of gathered vertices that lie neither on a border nor on a sharp edge.

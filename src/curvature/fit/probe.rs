@@ -1,0 +1,252 @@
+//! What windows of nested sizes say around a seed on a noisy surface.
+
+use super::abreast::Abreast;
+use super::chord::{ChordFits, ChordFitter};
+use super::cyclide::{Cyclide, CyclideFitter};
+use super::fans::Fans;
+use super::frame::Frame;
+use super::lanes::{F4, LANES};
+use super::patches::{Patch, REACH, Surface};
+use super::samples::Sampler;
+use crate::mesh::Face;
+use glam::{DMat3, DVec3};
+use std::ops::Range;
+
+/// Vertices per window, by level.
+pub(super) const LEVELS: [usize; 6] = [28, 48, 81, 138, 234, 398];
+const DEGREES: [usize; 2] = [3, 4];
+/// The chord polynomials among the models of a level; the last model is a cyclide.
+pub(super) const POLYNOMIALS: usize = DEGREES.len();
+pub(super) const MODELS: usize = POLYNOMIALS + 1;
+/// The first level at which a cyclide is believed.
+const FIRST_CYCLIDE: usize = 2;
+/// A larger window is not tried where the variance of samples has grown to this many times its least.
+const HOPELESS: f64 = 9.0;
+
+/// A seed's fits, level by level.
+pub(super) struct Probe {
+    pub(super) seed: Face,
+    levels: Vec<Level>,
+    /// The least variance of samples that can be trusted as noise.
+    pub(super) noise: f64,
+    /// Mean edge, nearly.
+    pub(super) spacing: f64,
+    /// Numbers of the seeds around, itself the first.
+    pub(super) neighbours: Vec<u32>,
+    /// Of the largest window so far.
+    pub(super) frame: Option<Frame>,
+    /// False where a larger window would be in vain.
+    goes_on: bool,
+}
+
+/// The fits to a window.
+#[derive(Clone, Copy)]
+pub(super) struct Level {
+    /// Upper triangles of shape tensors; NaN where there is no fit.
+    pub(super) tensors: [[f64; 6]; MODELS],
+    /// Variances of the tensors for samples of unit variance; infinite where there is no fit.
+    pub(super) variances: [f64; MODELS],
+    /// Variances of the samples about each fit; infinite where there is none.
+    pub(super) misfits: [f64; MODELS],
+}
+
+/// The window and the model for a seed.
+#[derive(Clone, Copy)]
+pub(super) struct Choice {
+    pub(super) seed: Face,
+    pub(super) level: usize,
+    pub(super) model: usize,
+    /// Expected error of its shape tensor, 1/length.
+    pub(super) error: f64,
+    /// Standard deviation of the samples around, in file units.
+    pub(super) noise: f64,
+    /// To begin with.
+    pub(super) frame: Option<Frame>,
+}
+
+/// Fits windows around four seeds at a time; one per thread.
+pub(super) struct Prober<'g> {
+    samplers: [Sampler<'g>; LANES],
+    abreast: Abreast,
+    chords: ChordFitter,
+    cyclides: CyclideFitter,
+}
+
+impl<'g> Prober<'g> {
+    pub(super) fn new(fans: &'g Fans<'g>) -> Self {
+        Prober {
+            samplers: std::array::from_fn(|_| Sampler::new(fans)),
+            abreast: Abreast::new(),
+            chords: ChordFitter::new(),
+            cyclides: CyclideFitter::new(),
+        }
+    }
+
+    /// Loads the nearest vertices of a seed that its sampler has started at, in a frame known from a smaller window if
+    /// there is one. False where there are too few.
+    fn load(&mut self, lane: usize, centre: DVec3, count: usize, known: Option<Frame>) -> bool {
+        let sampler = &mut self.samplers[lane];
+        let Some(frame) = sampler.take_nearest(centre, count) else { return false };
+        let frame = known.map_or(frame, |known| Frame { unit: frame.unit, ..known });
+        self.abreast.load(lane, frame, sampler.points.iter().map(|&p| (p, 1.0)));
+        true
+    }
+
+    /// Adds levels to up to four probes; `seed_of` has the numbers of the faces that are seeds.
+    pub(super) fn probe(&mut self, probes: &mut [&mut Probe], levels: Range<usize>, seed_of: &[u32]) {
+        let mesh = self.samplers[0].fans.ground.mesh;
+        let centres: Vec<DVec3> = probes.iter().map(|probe| mesh.barycentre(probe.seed)).collect();
+        self.samplers.iter_mut().zip(&*probes).for_each(|(sampler, probe)| sampler.start(probe.seed));
+        for level in levels {
+            self.abreast.clear();
+            for (lane, probe) in probes.iter_mut().enumerate() {
+                probe.goes_on = probe.goes_on && self.load(lane, centres[lane], LEVELS[level], probe.frame);
+            }
+            if !probes.iter().any(|probe| probe.goes_on) {
+                break;
+            }
+            let fits = self.chords.fit(&mut self.abreast, [4; LANES], if level == 0 { 2 } else { 1 });
+            let mut deviations = [0.0; LANES];
+            for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
+                probe.frame = self.abreast.frame(lane).filter(|_| fits.is_carried(lane));
+                let Some(frame) = probe.frame else {
+                    probe.goes_on = false;
+                    continue;
+                };
+                deviations[lane] = probe.add(&fits, lane, frame, centres[lane]);
+                if level == 0 {
+                    // So many points fill a disk of the window's radius as the vertices of equilateral faces.
+                    probe.spacing = frame.unit * (3.63 / self.samplers[lane].points.len() as f64).sqrt();
+                }
+            }
+            if level >= FIRST_CYCLIDE {
+                let cyclides = self.cyclides.fit(&self.abreast, F4(deviations.map(f64::sqrt)));
+                for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
+                    let Some(c) = probe.frame.and_then(|frame| cyclides.of(lane, frame)) else { continue };
+                    // In small windows its residual is less than the noise.
+                    if probe.add_cyclide(&c, centres[lane]) && level > FIRST_CYCLIDE {
+                        deviations[lane] = deviations[lane].min(c.misfit);
+                        probe.noise = probe.noise.min(c.misfit);
+                    }
+                }
+            }
+            for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
+                let sampler = &self.samplers[lane];
+                if level < 2 {
+                    let unit = probe.frame.map_or(0.0, |frame| frame.unit);
+                    let reach = unit * if level == 0 { 2.0 } else { 2.0_f64.sqrt() };
+                    probe.neighbours = seeds_within(sampler, seed_of, centres[lane], reach);
+                }
+                probe.goes_on = sampler.points.len() >= LEVELS[level] && deviations[lane] <= HOPELESS * probe.noise;
+            }
+        }
+    }
+
+    /// The patches that are chosen, and which of the `wanted` faces they reach.
+    pub(super) fn patches(&mut self, chosen: &[Choice], wanted: &[bool]) -> Vec<Patch> {
+        let mesh = self.samplers[0].fans.ground.mesh;
+        let mut order: Vec<usize> = (0..chosen.len()).collect();
+        // Windows of one size side by side.
+        order.sort_by_key(|&i| (chosen[i].level, chosen[i].model));
+        let mut patches: Vec<Option<Patch>> = chosen.iter().map(|_| None).collect();
+        for four in order.chunks(LANES) {
+            self.abreast.clear();
+            for (lane, choice) in four.iter().map(|&i| &chosen[i]).enumerate() {
+                self.samplers[lane].start(choice.seed);
+                self.load(lane, mesh.barycentre(choice.seed), LEVELS[choice.level], choice.frame);
+            }
+            let fits = self.chords.fit(&mut self.abreast, [4; LANES], 1);
+            let noise = |lane: usize| four.get(lane).map_or(0.0, |&i| chosen[i].noise);
+            let has_cyclide = four.iter().any(|&i| chosen[i].model == POLYNOMIALS);
+            let cyclides = has_cyclide.then(|| self.cyclides.fit(&self.abreast, F4(std::array::from_fn(noise))));
+            for (lane, &i) in four.iter().enumerate() {
+                let Choice { seed, model, error, .. } = chosen[i];
+                let Some(frame) = self.abreast.frame(lane).filter(|_| fits.is_carried(lane)) else { continue };
+                let (surface, variance) = match DEGREES.get(model) {
+                    Some(&degree) => {
+                        let degree = degree.min(fits.highest(lane));
+                        let variance = fits.deviation_squared(lane, degree, &frame);
+                        (Surface::Chord(fits.surface(lane, degree, frame)), variance)
+                    }
+                    None => {
+                        let Some(c) = cyclides.as_ref().and_then(|c| c.of(lane, frame)) else { continue };
+                        (Surface::Implicit(c.surface), c.misfit)
+                    }
+                };
+                let (centre, reach) = (mesh.barycentre(seed), REACH * surface.radius());
+                self.samplers[lane].gather_within(centre, reach, 0);
+                let reached = self.samplers[lane].faces_within(centre, reach);
+                let faces = reached.filter(|&f| wanted[f as usize]).collect();
+                patches[i] = Some(Patch { seed, surface, error, noise: variance.sqrt(), faces });
+            }
+        }
+        patches.into_iter().flatten().collect()
+    }
+}
+
+/// The nearest seeds among the faces a sampler has gathered, at most 16.
+fn seeds_within(sampler: &Sampler<'_>, seed_of: &[u32], centre: DVec3, reach: f64) -> Vec<u32> {
+    let mesh = sampler.fans.ground.mesh;
+    let mut near: Vec<(f64, u32)> = sampler
+        .faces_within(centre, reach)
+        .filter(|&f| seed_of[f as usize] != u32::MAX)
+        .map(|f| (mesh.barycentre(Face(f)).distance_squared(centre), seed_of[f as usize]))
+        .collect();
+    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.into_iter().take(16).map(|n| n.1).collect()
+}
+
+impl Probe {
+    pub(super) fn new(seed: Face) -> Self {
+        let (levels, neighbours) = (Vec::new(), Vec::new());
+        Probe { seed, levels, noise: f64::INFINITY, spacing: 0.0, neighbours, frame: None, goes_on: true }
+    }
+
+    /// What it found at a level.
+    pub(super) fn at(&self, level: usize) -> &Level {
+        self.levels.get(level).unwrap_or(&Level::NONE)
+    }
+
+    /// False where a fit was tried in vain, or is too large to be tried.
+    pub(super) fn may_have(&self, level: usize, model: usize) -> bool {
+        self.levels.get(level).map_or(self.goes_on, |level| level.variances[model].is_finite())
+    }
+
+    /// Adds a level with its polynomials, and returns the variance of the samples about the one of the highest degree.
+    fn add(&mut self, fits: &ChordFits, lane: usize, frame: Frame, centre: DVec3) -> f64 {
+        let mut level = Level::NONE;
+        let highest = fits.highest(lane);
+        for (model, &degree) in DEGREES.iter().enumerate().filter(|(_, d)| **d <= highest) {
+            if let Some((_, shape)) = fits.surface(lane, degree, frame).shape_at(centre) {
+                let variance = fits.tensor_variance(lane, degree, &frame);
+                level.note(model, shape.tensor, variance, fits.deviation_squared(lane, degree, &frame));
+            }
+        }
+        self.levels.push(level);
+        let deviation = fits.deviation_squared(lane, highest, &frame);
+        self.noise = self.noise.min(deviation);
+        deviation
+    }
+
+    /// Adds a cyclide to the last level; false where it has no shape at the centre.
+    fn add_cyclide(&mut self, c: &Cyclide, centre: DVec3) -> bool {
+        let (Some(shape), Some(level)) = (c.surface.shape_at(centre), self.levels.last_mut()) else { return false };
+        level.note(POLYNOMIALS, shape.tensor, c.tensor_variance, c.misfit);
+        true
+    }
+}
+
+impl Level {
+    const NONE: Level = Level {
+        tensors: [[f64::NAN; 6]; MODELS],
+        variances: [f64::INFINITY; MODELS],
+        misfits: [f64::INFINITY; MODELS],
+    };
+
+    fn note(&mut self, model: usize, tensor: DMat3, variance: f64, misfit: f64) {
+        let [x, y, z] = [tensor.x_axis, tensor.y_axis, tensor.z_axis];
+        self.tensors[model] = [x.x, y.x, z.x, y.y, z.y, z.z];
+        self.variances[model] = variance;
+        self.misfits[model] = misfit;
+    }
+}

@@ -1,0 +1,123 @@
+//! The faces around which windows of a noisy surface are laid.
+
+use super::ground::Ground;
+use crate::mesh::{Face, FaceState};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Numbers for faces, drawn from the cells of a fine grid over the mesh, so that neither the order of faces nor the
+/// place and size of the mesh plays a part.
+struct Draw<'g> {
+    ground: &'g Ground<'g>,
+    corner: DVec3,
+    scale: f64,
+}
+
+impl<'g> Draw<'g> {
+    fn new(ground: &'g Ground<'g>) -> Self {
+        const CELLS: f64 = (1 << 18) as f64;
+        let mesh = ground.mesh;
+        let (corner, size) = mesh.report().bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
+        Draw { ground, corner: corner - mesh.origin(), scale: CELLS / size }
+    }
+
+    fn of(&self, face: Face) -> u64 {
+        let mix = |mut x: u64| {
+            x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
+            x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
+            x ^ (x >> 33)
+        };
+        let cell = (self.ground.mesh.barycentre(face) - self.corner) * self.scale;
+        // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
+        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).max(0.0) as u64))
+    }
+}
+
+/// Faces of which none shares a vertex with another: those whose number is the greatest around.
+pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
+    let mesh = ground.mesh;
+    let draw = Draw::new(ground);
+    let faces = || (0..wanted.len() as u32).into_par_iter();
+    let numbers: Vec<u64> = faces().map(|f| if wanted[f as usize] { draw.of(Face(f)) } else { 0 }).collect();
+    let rank = |f: u32| (numbers[f as usize], f);
+    faces()
+        .filter(|&f| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound)
+        .filter(|&f| {
+            let corners = mesh.topology().corners(Face(f));
+            corners.iter().all(|v| ground.stars.of(v.0).iter().all(|&g| rank(g) <= rank(f)))
+        })
+        .map(Face)
+        .collect()
+}
+
+/// The tier of each seed: seeds of tier 1 and higher are a subset of all, those of tier 2 and higher one of that, and so
+/// on, as many as there are numbers in `nearest`. Each seed left behind is among so many nearest of one that went on, in
+/// the subset both come from. `near` names the seeds around one, the nearest first.
+pub(super) fn tiers<'n>(
+    ground: &Ground<'_>,
+    seeds: &[Face],
+    near: impl Fn(usize) -> &'n [u32],
+    nearest: &[usize],
+) -> Vec<usize> {
+    let draw = Draw::new(ground);
+    let numbers: Vec<u64> = seeds.par_iter().map(|&seed| draw.of(seed)).collect();
+    let mut order: Vec<usize> = (0..seeds.len()).collect();
+    order.par_sort_unstable_by_key(|&i| (numbers[i], i));
+    let mut tiers = vec![0; seeds.len()];
+    for (tier, &nearest) in nearest.iter().enumerate() {
+        let mut is_left_behind = vec![false; seeds.len()];
+        for &i in &order {
+            if tiers[i] < tier || is_left_behind[i] {
+                continue;
+            }
+            tiers[i] = tier + 1;
+            let others =
+                near(i).iter().map(|&other| other as usize).filter(|&other| other != i && tiers[other] >= tier);
+            others.take(nearest).for_each(|other| is_left_behind[other] = tiers[other] == tier);
+        }
+    }
+    tiers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::NoProgress;
+    use crate::synth::{Grid, Surface};
+    use crate::{Mesh, MeshOptions};
+
+    #[test]
+    fn seeds_keep_apart_and_thin_out() {
+        let grid = Grid::with_faces(Surface::Torus { major: 3.0, minor: 1.0 }, 20_000, 1.0);
+        let mesh = Mesh::from_soup(&grid.build().soup, &MeshOptions::default()).expect("a mesh");
+        let ground = Ground::new(&mesh, false, &NoProgress);
+        let seeds = seeds(&ground, &vec![true; mesh.face_count()]);
+        let share = seeds.len() as f64 / mesh.face_count() as f64;
+        assert!((0.06..0.1).contains(&share), "{share}");
+        let mut is_taken = vec![false; mesh.positions().len()];
+        for vertex in seeds.iter().flat_map(|&seed| mesh.topology().corners(seed)) {
+            assert!(!std::mem::replace(&mut is_taken[vertex.index()], true));
+        }
+
+        let square = |a: Face, b: Face| mesh.barycentre(a).distance_squared(mesh.barycentre(b));
+        let near: Vec<Vec<u32>> = seeds
+            .iter()
+            .map(|&seed| {
+                let mut near: Vec<u32> = (0..seeds.len() as u32).collect();
+                near.sort_by(|&a, &b| square(seed, seeds[a as usize]).total_cmp(&square(seed, seeds[b as usize])));
+                near.truncate(16);
+                near
+            })
+            .collect();
+        let tiers = tiers(&ground, &seeds, |i| &near[i], &[2, 2, 2]);
+        let counts: Vec<usize> = (0..4).map(|tier| tiers.iter().filter(|t| **t >= tier).count()).collect();
+        for (more, fewer) in counts.iter().zip(&counts[1..]) {
+            let share = *fewer as f64 / *more as f64;
+            assert!((0.4..0.7).contains(&share), "{counts:?}");
+        }
+        // No seed is far from one of any tier.
+        for tier in 1..4 {
+            assert!(near.iter().all(|near| near.iter().any(|&i| tiers[i as usize] >= tier)), "tier {tier}");
+        }
+    }
+}
