@@ -57,6 +57,7 @@ use lanes::LANES;
 use patches::Blended;
 use quantum::quantum;
 use rayon::prelude::*;
+use samples::Sampler;
 use shape::Principal;
 use std::ops::Range;
 use steady::Steady;
@@ -250,11 +251,12 @@ fn look_wider(
     is_everywhere: bool,
     out: &mut [FaceCurvature],
 ) {
+    /// Vertices without which there is no window.
+    const LEAST: usize = 13;
     let seeds = seeds::seeds(ground, wanted);
     let fans = Fans::new(ground);
     let is_rough = scale::is_rough(&fans, &seeds);
     let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted) };
-    drop(fans);
     let mut left = wanted.to_vec();
     let replace = |values: Vec<Option<Blended>>, method: Method, left: &mut [bool], out: &mut [FaceCurvature]| {
         for ((out, value), left) in out.iter_mut().zip(values).zip(left) {
@@ -264,13 +266,18 @@ fn look_wider(
         }
     };
     replace(values, Method::Patches, &mut left, out);
-    if !is_rough && !(is_everywhere && left.contains(&true)) {
-        return;
-    }
     if is_rough && is_everywhere {
         // Faces that fit by chance would stand out among the others.
         left.iter_mut().zip(&*out).for_each(|(left, value)| *left |= value.is_estimated());
+    } else if !is_rough {
+        let mut sampler = Sampler::new(&fans);
+        let mut is_cut_off = |f: usize| sampler.is_cut_off(Face(f as u32), LEAST);
+        left.iter_mut().enumerate().for_each(|(f, left)| *left = *left && is_everywhere && is_cut_off(f));
+        if !left.contains(&true) {
+            return;
+        }
     }
+    drop(fans);
     let ground = Ground::new(ground.mesh, true, ground.progress);
     let fans = Fans::new(&ground);
     if is_rough {

@@ -2,7 +2,7 @@
 
 use super::abreast::Abreast;
 use super::chord::{ChordFits, ChordFitter};
-use super::cyclide::{Cyclide, CyclideFitter};
+use super::cyclide::{Cyclide, CyclideFitter, TERMS as CYCLIDE_TERMS};
 use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::{F4, LANES};
@@ -162,17 +162,24 @@ impl<'g> Prober<'g> {
             for (lane, &i) in four.iter().enumerate() {
                 let Choice { seed, model, error, .. } = chosen[i];
                 let Some(frame) = self.abreast.frame(lane).filter(|_| fits.is_carried(lane)) else { continue };
-                let (surface, variance) = match DEGREES.get(model) {
+                let (surface, variance, unit_variance) = match DEGREES.get(model) {
                     Some(&degree) => {
                         let degree = degree.min(fits.highest(lane));
                         let variance = fits.deviation_squared(lane, degree, &frame);
-                        (Surface::Chord(fits.surface(lane, degree, frame)), variance)
+                        (
+                            Surface::Chord(fits.surface(lane, degree, frame)),
+                            variance,
+                            fits.tensor_variance(lane, degree, &frame),
+                        )
                     }
                     None => {
                         let Some(c) = cyclides.as_ref().and_then(|c| c.of(lane, frame)) else { continue };
-                        (Surface::Implicit(c.surface), c.misfit)
+                        (Surface::Implicit(c.surface), c.misfit, c.tensor_variance)
                     }
                 };
+                let around = chosen[i].noise.powi(2);
+                let detail = unexplained(variance, around, chosen[i].level);
+                let error = error.max((unit_variance * around * (1.0 + detail)).sqrt());
                 let (centre, reach) = (mesh.barycentre(seed), REACH * surface.radius());
                 self.samplers[lane].gather_within(centre, reach, 0);
                 let reached = self.samplers[lane].faces_within(centre, reach);
@@ -182,6 +189,14 @@ impl<'g> Prober<'g> {
         }
         patches.into_iter().flatten().collect()
     }
+}
+
+/// What a fit to a window leaves of detail, in units of its variance from the noise alone: what is not explained bends
+/// the fit as a whole, not sample by sample.
+pub(super) fn unexplained(misfit: f64, noise: f64, level: usize) -> f64 {
+    let samples = LEVELS[level] as f64;
+    let chance = 2.0 * (2.0 / samples).sqrt();
+    (misfit / noise - (1.0 + chance)).max(0.0) * samples / CYCLIDE_TERMS as f64
 }
 
 /// The nearest seeds among the faces a sampler has gathered, at most 16.

@@ -57,9 +57,7 @@ impl<'g> Sampler<'g> {
     /// returns their frame, with the largest distance as its unit. The centre must be the same for all windows since the
     /// start.
     pub(super) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<Frame> {
-        while self.rings.vertices.len() < count + count / 2 && !self.rings.is_exhausted() {
-            self.rings.grow_to(|fan| Some(self.fans.neighbours(fan)));
-        }
+        self.gather(count + count / 2);
         self.take(centre, |_| count)
     }
 
@@ -80,6 +78,13 @@ impl<'g> Sampler<'g> {
             is_near((a + b + c) / 3.0) && (is_near(a) || is_near(b) || is_near(c))
         };
         self.rings.vertices.iter().flat_map(|&fan| self.fans.faces(fan)).copied().filter(is_within)
+    }
+
+    /// Adds rings until there are `least` vertices, or no more.
+    fn gather(&mut self, least: usize) {
+        while self.rings.vertices.len() < least && !self.rings.is_exhausted() {
+            self.rings.grow_to(|fan| Some(self.fans.neighbours(fan)));
+        }
     }
 
     /// Adds rings until there are `least` vertices and the last ring has none within `radius` of `centre`.
@@ -121,6 +126,13 @@ impl<'g> Sampler<'g> {
         self.points.extend(taken.iter().map(|&(_, fan)| fans.position(fan)));
         let normal: Vec3 = taken.iter().map(|&(_, fan)| fans.normal(fan)).sum();
         Frame::upright(centre, normal.as_dvec3(), radius)
+    }
+
+    /// True where fewer than `least` vertices hang together with a face.
+    pub(super) fn is_cut_off(&mut self, face: Face, least: usize) -> bool {
+        self.start(face);
+        self.gather(least);
+        self.rings.vertices.len() < least
     }
 
     /// The share of gathered vertices that lie neither on a border nor on a sharp edge.
