@@ -10,10 +10,12 @@
 
 use super::abreast::{Abreast, Frames};
 use super::equations::{Factor, Normal, residual};
+use super::foot::{Foot, Sides};
 use super::frame::Frame;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
+use super::polynomial::Symmetric;
 use super::shape::Shape;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Number of terms by degree.
 const TERMS: [usize; 5] = [1, 3, 6, 10, 15];
@@ -197,30 +199,32 @@ impl ChordFits {
 
 /// A function of two variables with its first and second derivatives.
 #[derive(Clone, Copy)]
-struct Jet {
-    value: f64,
-    first: [f64; 2],
+struct Jet<T> {
+    value: T,
+    first: [T; 2],
     /// xx, xy, yy
-    second: [f64; 3],
+    second: [T; 3],
 }
 
-impl Jet {
-    fn times(self, o: Jet) -> Jet {
+impl<T: Real> Jet<T> {
+    #[inline(always)]
+    fn times(self, o: Jet<T>) -> Jet<T> {
         let [ax, ay] = self.first;
         let [bx, by] = o.first;
         Jet {
             value: self.value * o.value,
             first: [ax * o.value + self.value * bx, ay * o.value + self.value * by],
             second: [
-                self.second[0] * o.value + 2.0 * ax * bx + self.value * o.second[0],
+                self.second[0] * o.value + ax * bx * 2.0 + self.value * o.second[0],
                 self.second[1] * o.value + ax * by + ay * bx + self.value * o.second[1],
-                self.second[2] * o.value + 2.0 * ay * by + self.value * o.second[2],
+                self.second[2] * o.value + ay * by * 2.0 + self.value * o.second[2],
             ],
         }
     }
 
     /// f(self) for a function with these derivatives at the value.
-    fn mapped(self, f: f64, df: f64, ddf: f64) -> Jet {
+    #[inline(always)]
+    fn mapped(self, f: T, df: T, ddf: T) -> Jet<T> {
         let [x, y] = self.first;
         Jet {
             value: f,
@@ -234,94 +238,108 @@ impl Jet {
     }
 }
 
-impl Chord {
-    /// The polynomial at chord coordinates.
-    fn height(&self, x: f64, y: f64) -> Jet {
-        let c = &self.coefficients;
-        let (xx, xy, yy) = (x * x, x * y, y * y);
-        Jet {
-            value: monomials(1.0, x, y).iter().zip(c).map(|(m, c)| m * c).sum(),
-            first: [
-                c[1] + 2.0 * c[3] * x
-                    + c[4] * y
-                    + 3.0 * c[6] * xx
-                    + 2.0 * c[7] * xy
-                    + c[8] * yy
-                    + 4.0 * c[10] * xx * x
-                    + 3.0 * c[11] * xx * y
-                    + 2.0 * c[12] * x * yy
-                    + c[13] * yy * y,
-                c[2] + c[4] * x
-                    + 2.0 * c[5] * y
-                    + c[7] * xx
-                    + 2.0 * c[8] * xy
-                    + 3.0 * c[9] * yy
-                    + c[11] * xx * x
-                    + 2.0 * c[12] * xx * y
-                    + 3.0 * c[13] * x * yy
-                    + 4.0 * c[14] * yy * y,
-            ],
-            second: [
-                2.0 * c[3] + 6.0 * c[6] * x + 2.0 * c[7] * y + 12.0 * c[10] * xx + 6.0 * c[11] * xy + 2.0 * c[12] * yy,
-                c[4] + 2.0 * c[7] * x + 2.0 * c[8] * y + 3.0 * c[11] * xx + 4.0 * c[12] * xy + 3.0 * c[13] * yy,
-                2.0 * c[5] + 2.0 * c[8] * x + 6.0 * c[9] * y + 2.0 * c[12] * xx + 6.0 * c[13] * xy + 12.0 * c[14] * yy,
-            ],
-        }
+/// The polynomial at chord coordinates.
+#[inline(always)]
+fn height<T: Real>(c: &[T; WIDEST], x: T, y: T) -> Jet<T> {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    let mut value = c[0];
+    for (&c, monomial) in c.iter().zip(monomials(T::splat(1.0), x, y)).skip(1) {
+        value += c * monomial;
     }
+    Jet {
+        value,
+        first: [
+            c[1] + c[3] * x * 2.0
+                + c[4] * y
+                + c[6] * xx * 3.0
+                + c[7] * xy * 2.0
+                + c[8] * yy
+                + c[10] * xx * x * 4.0
+                + c[11] * xx * y * 3.0
+                + c[12] * x * yy * 2.0
+                + c[13] * yy * y,
+            c[2] + c[4] * x
+                + c[5] * y * 2.0
+                + c[7] * xx
+                + c[8] * xy * 2.0
+                + c[9] * yy * 3.0
+                + c[11] * xx * x
+                + c[12] * xx * y * 2.0
+                + c[13] * x * yy * 3.0
+                + c[14] * yy * y * 4.0,
+        ],
+        second: [
+            c[3] * 2.0 + c[6] * x * 6.0 + c[7] * y * 2.0 + c[10] * xx * 12.0 + c[11] * xy * 6.0 + c[12] * yy * 2.0,
+            c[4] + c[7] * x * 2.0 + c[8] * y * 2.0 + c[11] * xx * 3.0 + c[12] * xy * 4.0 + c[13] * yy * 3.0,
+            c[5] * 2.0 + c[8] * x * 2.0 + c[9] * y * 6.0 + c[12] * xx * 2.0 + c[13] * xy * 6.0 + c[14] * yy * 12.0,
+        ],
+    }
+}
 
+/// The shape of the surface below a local point, in the local frame; see [`Foot`].
+#[inline(always)]
+fn foot_of<T: Real>(c: &[T; WIDEST], p: V3<T>) -> Foot<T> {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let (x, y) = chord(p, p.z - c[0] - c[1] * p.x - c[2] * p.y);
+    let z = height(c, x, y);
+    // Heights over the tangent plane alone shorten the way along it from chord to foot.
+    let bent = Jet {
+        value: z.value - c[0] - c[1] * x - c[2] * y,
+        first: [z.first[0] - c[1], z.first[1] - c[2]],
+        second: z.second,
+    };
+    let square = x * x + y * y;
+    let is_away = square - T::splat(1e-6);
+    let inverse = one / square;
+    let of_square = Jet { value: square, first: [x * 2.0, y * 2.0], second: [T::splat(2.0), zero, T::splat(2.0)] };
+    let of_square = of_square.mapped(inverse, -(inverse * inverse), inverse * inverse * inverse * 2.0);
+    let steep = bent.times(bent).times(of_square);
+    // Where this is not above zero the surface has turned over.
+    let left = is_away.if_positive(one - steep.value, one);
+    let root = left.sqrt();
+    let Jet { first: [x1, y1], second: [x2, xy, y2], .. } =
+        steep.mapped(root, T::splat(-0.5) / root, T::splat(-0.25) / (left * root));
+    let away = |d: T| is_away.if_positive(d, zero);
+    let shortened = Jet { value: root, first: [away(x1), away(y1)], second: [away(x2), away(xy), away(y2)] };
+    let px = Jet { value: x, first: [one, zero], second: [zero; 3] }.times(shortened);
+    let py = Jet { value: y, first: [zero, one], second: [zero; 3] }.times(shortened);
+    let a = V3::new(px.first[0], py.first[0], z.first[0]);
+    let b = V3::new(px.first[1], py.first[1], z.first[1]);
+    let cross = a.cross(b);
+    let length = cross.dot(cross).sqrt();
+    let normal = cross.scaled(one / length);
+    // Dual tangents, and the second form on them.
+    let (da, db) = (b.cross(normal).scaled(one / length), normal.cross(a).scaled(one / length));
+    let form = |i: usize| -(normal.x * px.second[i] + normal.y * py.second[i] + normal.z * z.second[i]);
+    let across = Symmetric::outer(da, db, form(1) * 2.0);
+    let tensor = Symmetric::outer(da, da, form(0)).plus(across).plus(Symmetric::outer(db, db, form(2)));
+    let upright = (left - T::splat(0.05)).min(normal.z);
+    Foot { height: (p.z - z.value) * normal.z, normal, tensor, upright }
+}
+
+impl Chord {
     /// Height of a point over the surface, and the shape of the surface below it. `None` where the
     /// surface has turned over.
     pub(super) fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
-        let c = &self.coefficients;
-        let p = self.frame.to_local(point);
-        let (x, y) = chord(p.into(), p.z - c[0] - c[1] * p.x - c[2] * p.y);
-        let z = self.height(x, y);
-        // Heights over the tangent plane alone shorten the way along it from chord to foot.
-        let bent = Jet {
-            value: z.value - c[0] - c[1] * x - c[2] * y,
-            first: [z.first[0] - c[1], z.first[1] - c[2]],
-            second: z.second,
-        };
-        let square = x * x + y * y;
-        let shortened = if square > 1e-6 {
-            let inverse = Jet { value: square, first: [2.0 * x, 2.0 * y], second: [2.0, 0.0, 2.0] };
-            let inverse = inverse.mapped(1.0 / square, -1.0 / (square * square), 2.0 / square.powi(3));
-            let steep = bent.times(bent).times(inverse);
-            let left = 1.0 - steep.value;
-            if left < 0.05 {
-                return None;
-            }
-            let root = left.sqrt();
-            steep.mapped(root, -0.5 / root, -0.25 / (left * root))
-        } else {
-            Jet { value: 1.0, first: [0.0; 2], second: [0.0; 3] }
-        };
-        let along = |value: f64, axis: usize| {
-            let mut first = [0.0; 2];
-            first[axis] = 1.0;
-            Jet { value, first, second: [0.0; 3] }
-        };
-        let (px, py) = (along(x, 0).times(shortened), along(y, 1).times(shortened));
-        let first = |i: usize| DVec3::new(px.first[i], py.first[i], z.first[i]);
-        let second = |i: usize| DVec3::new(px.second[i], py.second[i], z.second[i]);
-        let (a, b) = (first(0), first(1));
-        let cross = a.cross(b);
-        let normal = cross.try_normalize()?;
-        // Dual tangents, and the second form on them.
-        let (da, db) = (b.cross(normal) / cross.length(), normal.cross(a) / cross.length());
-        let form: [f64; 3] = std::array::from_fn(|i| -normal.dot(second(i)) / self.frame.unit);
-        let outer = |u: DVec3, v: DVec3| DMat3::from_cols(u * v.x, u * v.y, u * v.z);
-        let tensor = outer(da, da) * form[0] + (outer(da, db) + outer(db, da)) * form[1] + outer(db, db) * form[2];
-        let axes = self.frame.axes;
-        let tensor = axes * tensor * axes.transpose();
-        let height = (p.z - z.value) * normal.z * self.frame.unit;
-        (tensor.is_finite() && normal.z > 0.0).then(|| (height, Shape { normal: axes * normal, tensor }))
+        foot_of(&self.coefficients, self.frame.to_local(point).into()).in_space(&self.frame)
+    }
+
+    /// Below a point on four surfaces, in space.
+    #[inline(always)]
+    pub(super) fn feet(surfaces: [&Chord; LANES], point: DVec3) -> Foot<F4> {
+        let sides = Sides::of(surfaces.map(|s| &s.frame), point);
+        let mut coefficients = [F4::ZERO; WIDEST];
+        for (i, c) in coefficients.iter_mut().enumerate() {
+            *c = F4::of(surfaces, |s| s.coefficients[i]);
+        }
+        sides.in_space(&foot_of(&coefficients, sides.point))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DMat3;
 
     #[test]
     fn a_sphere_is_exact_also_far_from_the_middle() {

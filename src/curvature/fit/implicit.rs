@@ -1,9 +1,11 @@
 //! A fitted implicit surface in space.
 
+use super::foot::{Foot, Sides};
 use super::frame::Frame;
-use super::polynomial::Polynomial;
+use super::lanes::{F4, LANES};
+use super::polynomial::{MOST, Polynomial};
 use super::shape::Shape;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// The surface F = 0 in a frame of its own.
 #[derive(Clone, Copy, Debug)]
@@ -23,25 +25,20 @@ impl Implicit {
         self.f.gradient(p.into()).into()
     }
 
-    /// Nearly the distance of a point from the surface, in file units: negative on the inner side.
-    pub(super) fn distance(&self, point: DVec3) -> f64 {
-        let p = self.frame.to_local(point);
-        self.value(p) / self.gradient(p).length() * self.frame.unit
+    /// Height of a point over the surface, and the shape of the surface below it; `None` where Newton's steps fail.
+    pub(super) fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
+        Foot::of(&self.f, self.frame.to_local(point).into()).in_space(&self.frame)
     }
 
-    /// The shape of the surface at the foot of a point; `None` where Newton's steps fail.
-    pub(super) fn shape_at(&self, point: DVec3) -> Option<Shape> {
-        let foot = self.f.foot(self.frame.to_local(point).into());
-        let gradient = DVec3::from(self.f.gradient(foot));
-        let length = gradient.length();
-        let normal = gradient / length;
-        let h = self.f.hessian(foot);
-        let hessian =
-            DMat3::from_cols(DVec3::new(h.xx, h.xy, h.xz), DVec3::new(h.xy, h.yy, h.yz), DVec3::new(h.xz, h.yz, h.zz));
-        let projection = DMat3::IDENTITY - DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
-        let tensor = projection * hessian * projection * (1.0 / (length * self.frame.unit));
-        let axes = self.frame.axes;
-        let tensor = axes * tensor * axes.transpose();
-        tensor.is_finite().then(|| Shape { normal: axes * normal, tensor })
+    /// Below a point on four surfaces of 13 terms, in space.
+    #[inline(always)]
+    pub(super) fn feet(surfaces: [&Implicit; LANES], point: DVec3) -> Foot<F4> {
+        const TERMS: usize = 13;
+        let sides = Sides::of(surfaces.map(|s| &s.frame), point);
+        let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: TERMS };
+        for (i, c) in f.coefficients[..TERMS].iter_mut().enumerate() {
+            *c = F4::of(surfaces, |s| s.f.coefficients[i]);
+        }
+        sides.in_space(&Foot::of(&f, sides.point))
     }
 }

@@ -21,6 +21,7 @@ mod exact;
 mod fans;
 mod first;
 mod flats;
+mod foot;
 mod frame;
 mod ground;
 mod implicit;

@@ -6,10 +6,12 @@
 use super::chord::Chord;
 use super::ground::Ground;
 use super::implicit::Implicit;
+use super::lanes::{F4, Kernel, LANES, Real, V3, run};
+use super::polynomial::Symmetric;
 use super::shape::Shape;
 use super::stars::Lists;
 use crate::mesh::Face;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// A patch is evaluated up to this share of its window's radius.
@@ -23,7 +25,8 @@ pub(super) enum Surface {
 }
 
 pub(super) struct Patch {
-    pub(super) seed: Face,
+    /// Of the seed's face.
+    pub(super) centre: DVec3,
     pub(super) surface: Surface,
     /// Expected error of its shape tensor, 1/length.
     pub(super) error: f64,
@@ -41,12 +44,6 @@ pub(super) struct Blended {
     pub(super) error: f64,
 }
 
-impl Patch {
-    fn radius(&self) -> f64 {
-        self.surface.radius()
-    }
-}
-
 impl Surface {
     /// Of the window.
     pub(super) fn radius(&self) -> f64 {
@@ -56,51 +53,86 @@ impl Surface {
         }
     }
 
-    /// Height of a point over the surface and the shape there.
-    fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {
-        match self {
-            Surface::Chord(chord) => chord.shape_at(point),
-            Surface::Implicit(implicit) => Some((implicit.distance(point), implicit.shape_at(point)?)),
-        }
+    fn is_chord(&self) -> bool {
+        matches!(self, Surface::Chord(_))
     }
 }
 
 /// Blends patches over the faces that are `wanted`; `None` where none reaches.
-pub(super) fn blend(ground: &Ground<'_>, patches: &[Patch], wanted: &[bool]) -> Vec<Option<Blended>> {
+pub(super) fn blend(ground: &Ground<'_>, mut patches: Vec<Patch>, wanted: &[bool]) -> Vec<Option<Blended>> {
+    // Patches of one kind are read four at a time.
+    patches.sort_by_key(|patch| patch.surface.is_chord());
     let by_face = Lists::of_pairs(wanted.len(), || {
         let numbered = patches.iter().enumerate();
         numbered.flat_map(|(i, patch)| patch.faces.iter().map(move |&f| (f, i as u32)))
     });
     let blended = |f: u32| {
-        let reaching = by_face.of(f).iter().map(|&i| &patches[i as usize]);
-        wanted[f as usize].then(|| blend_face(ground, Face(f), reaching)).flatten()
+        let (centre, normal) = (ground.mesh.barycentre(Face(f)), ground.mesh.normal(Face(f)));
+        let blend = BlendFace { centre, normal, patches: &patches, reaching: by_face.of(f) };
+        wanted[f as usize].then(|| run(blend).value()).flatten()
     };
     (0..wanted.len() as u32).into_par_iter().map(blended).collect()
 }
 
-fn blend_face<'p>(ground: &Ground<'_>, face: Face, patches: impl Iterator<Item = &'p Patch>) -> Option<Blended> {
-    let mesh = ground.mesh;
-    let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
-    let mut sum = Mean::new();
-    for patch in patches {
-        let radius = patch.radius();
-        let x = mesh.barycentre(patch.seed).distance_squared(centre) / (REACH * radius).powi(2);
-        let Some((height, shape)) = patch.surface.shape_at(centre) else { continue };
-        let facing = shape.normal.dot(normal);
-        if x >= 1.0 || facing <= 0.0 {
-            continue;
+/// Blends the patches that reach a face.
+struct BlendFace<'p> {
+    centre: DVec3,
+    normal: DVec3,
+    patches: &'p [Patch],
+    reaching: &'p [u32],
+}
+
+impl Kernel for BlendFace<'_> {
+    type Output = Mean;
+
+    #[inline(always)]
+    fn run(self) -> Mean {
+        let BlendFace { centre, normal, patches, reaching } = self;
+        let of = |i: &u32| &patches[*i as usize];
+        let (implicit, chords) = reaching.split_at(reaching.partition_point(|i| !of(i).surface.is_chord()));
+        let mut sum = Mean::new();
+        for some in implicit.chunks(LANES).chain(chords.chunks(LANES)) {
+            let lane = |lane: usize| of(&some[lane.min(some.len() - 1)]);
+            let four = [lane(0), lane(1), lane(2), lane(3)];
+            let foot = match four.map(|patch| &patch.surface) {
+                [Surface::Chord(a), Surface::Chord(b), Surface::Chord(c), Surface::Chord(d)] => {
+                    Chord::feet([a, b, c, d], centre)
+                }
+                [Surface::Implicit(a), Surface::Implicit(b), Surface::Implicit(c), Surface::Implicit(d)] => {
+                    Implicit::feet([a, b, c, d], centre)
+                }
+                _ => continue,
+            };
+            let mut way = V3::ZERO;
+            for (lane, patch) in four.iter().enumerate() {
+                way.set(lane, patch.centre - centre);
+            }
+            let radius = F4::of(four, |patch| patch.surface.radius());
+            let error = F4::of(four, |patch| patch.error);
+            let reach = radius * REACH;
+            let inside = F4::ONE - way.dot(way) / (reach * reach);
+            let n = foot.normal;
+            let facing = n.x * normal.x + n.y * normal.y + n.z * normal.z;
+            // A face far from the surface, for its noise, is no part of it.
+            let far = foot.height / (F4::of(four, |patch| patch.noise) * 4.0 + radius * 0.05);
+            let far = far * far * (far * far);
+            let near = inside * inside * facing * facing;
+            let weight = near / ((F4::ONE + far) * (error * error + F4::splat(1e-300)));
+            for lane in 0..some.len() {
+                let is_there = foot.upright.0[lane] > 0.0 && inside.0[lane] > 0.0 && facing.0[lane] > 0.0;
+                let tensor = foot.tensor.lane(lane);
+                if is_there && tensor.is_finite() && weight.0[lane].is_finite() {
+                    sum.add(tensor, foot.normal.get(lane), radius.0[lane], error.0[lane], weight.0[lane]);
+                }
+            }
         }
-        // A face far from the surface, for its noise, is no part of it.
-        let far = height / (4.0 * patch.noise + 0.05 * radius);
-        let weight = (1.0 - x).powi(2) * facing * facing / (1.0 + far.powi(4)) / (patch.error * patch.error + 1e-300);
-        sum.add(&Blended { shape, radius, error: patch.error }, weight);
+        sum
     }
-    sum.value()
 }
 
 /// A weighted mean of shapes.
 pub(super) struct Mean {
-    tensor: DMat3,
+    tensor: Symmetric<f64>,
     normal: DVec3,
     radius: f64,
     error: f64,
@@ -109,25 +141,25 @@ pub(super) struct Mean {
 
 impl Mean {
     pub(super) fn new() -> Self {
-        Mean { tensor: DMat3::ZERO, normal: DVec3::ZERO, radius: 0.0, error: 0.0, weight: 0.0 }
+        Mean { tensor: Symmetric::ZERO, normal: DVec3::ZERO, radius: 0.0, error: 0.0, weight: 0.0 }
     }
 
-    pub(super) fn add(&mut self, value: &Blended, weight: f64) {
-        self.tensor += value.shape.tensor * weight;
-        self.normal += value.shape.normal * weight;
-        self.radius += value.radius * weight;
-        self.error += value.error * weight;
+    #[inline(always)]
+    pub(super) fn add(&mut self, tensor: Symmetric<f64>, normal: DVec3, radius: f64, error: f64, weight: f64) {
+        self.tensor = self.tensor.plus(tensor.scaled(weight));
+        self.normal += normal * weight;
+        self.radius += radius * weight;
+        self.error += error * weight;
         self.weight += weight;
     }
 
     pub(super) fn value(&self) -> Option<Blended> {
         let normal = self.normal.try_normalize()?;
-        let projection = DMat3::IDENTITY - DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         let share = 1.0 / self.weight;
-        let tensor = projection * (self.tensor * share) * projection;
-        let finite = tensor.is_finite() && self.weight > 0.0;
-        finite.then_some(Blended {
-            shape: Shape { normal, tensor },
+        let tensor = self.tensor.scaled(share).projected(normal.into());
+        let is_value = tensor.is_finite() && self.weight > 0.0;
+        is_value.then(|| Blended {
+            shape: Shape { normal, tensor: tensor.into() },
             radius: self.radius * share,
             error: self.error * share,
         })

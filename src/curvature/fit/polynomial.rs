@@ -13,6 +13,7 @@
 //! function or on several side by side.
 
 use super::lanes::{F4, Real, V3};
+use glam::DMat3;
 
 /// The sizes of the nested bases.
 pub(super) const SIZES: [usize; 5] = [3, 6, 9, 13, 22];
@@ -211,7 +212,73 @@ impl<T: Real> Polynomial<T> {
     }
 }
 
+impl Symmetric<F4> {
+    #[inline(always)]
+    pub(super) fn lane(&self, lane: usize) -> Symmetric<f64> {
+        let Symmetric { xx, xy, yy, xz, yz, zz } = self;
+        let [xx, xy, yy] = [xx.0[lane], xy.0[lane], yy.0[lane]];
+        Symmetric { xx, xy, yy, xz: xz.0[lane], yz: yz.0[lane], zz: zz.0[lane] }
+    }
+}
+
+impl Symmetric<f64> {
+    pub(super) const ZERO: Self = Symmetric { xx: 0.0, xy: 0.0, yy: 0.0, xz: 0.0, yz: 0.0, zz: 0.0 };
+
+    #[inline(always)]
+    pub(super) fn is_finite(&self) -> bool {
+        let Symmetric { xx, xy, yy, xz, yz, zz } = self;
+        (xx + xy + yy + xz + yz + zz).is_finite()
+    }
+}
+
+impl From<Symmetric<f64>> for DMat3 {
+    fn from(m: Symmetric<f64>) -> DMat3 {
+        let Symmetric { xx, xy, yy, xz, yz, zz } = m;
+        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+    }
+}
+
 impl<T: Real> Symmetric<T> {
+    /// The symmetric part of a b', times `by`.
+    #[inline(always)]
+    pub(super) fn outer(a: V3<T>, b: V3<T>, by: T) -> Self {
+        let half = by * 0.5;
+        Symmetric {
+            xx: by * a.x * b.x,
+            xy: half * (a.x * b.y + a.y * b.x),
+            yy: by * a.y * b.y,
+            xz: half * (a.x * b.z + a.z * b.x),
+            yz: half * (a.y * b.z + a.z * b.y),
+            zz: by * a.z * b.z,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(self, o: Self) -> Self {
+        Symmetric {
+            xx: self.xx + o.xx,
+            xy: self.xy + o.xy,
+            yy: self.yy + o.yy,
+            xz: self.xz + o.xz,
+            yz: self.yz + o.yz,
+            zz: self.zz + o.zz,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn scaled(self, by: T) -> Self {
+        let Symmetric { xx, xy, yy, xz, yz, zz } = self;
+        Symmetric { xx: xx * by, xy: xy * by, yy: yy * by, xz: xz * by, yz: yz * by, zz: zz * by }
+    }
+
+    /// What is left of it in the plane that stands upright on a unit vector.
+    #[inline(always)]
+    pub(super) fn projected(self, n: V3<T>) -> Self {
+        let along = self.times(n);
+        let both = Symmetric::outer(n, n, n.dot(along)).plus(Symmetric::outer(n, along, T::splat(-2.0)));
+        self.plus(both)
+    }
+
     #[inline(always)]
     pub(super) fn times(&self, v: V3<T>) -> V3<T> {
         V3::new(

@@ -184,7 +184,7 @@ impl<'g> Prober<'g> {
                 self.samplers[lane].gather_within(centre, reach, 0);
                 let reached = self.samplers[lane].faces_within(centre, reach);
                 let faces = reached.filter(|&f| wanted[f as usize]).collect();
-                patches[i] = Some(Patch { seed, surface, error, noise: variance.sqrt(), faces });
+                patches[i] = Some(Patch { centre, surface, error, noise: variance.sqrt(), faces });
             }
         }
         patches.into_iter().flatten().collect()
@@ -245,7 +245,9 @@ impl Probe {
 
     /// Adds a cyclide to the last level; false where it has no shape at the centre.
     fn add_cyclide(&mut self, c: &Cyclide, centre: DVec3) -> bool {
-        let (Some(shape), Some(level)) = (c.surface.shape_at(centre), self.levels.last_mut()) else { return false };
+        let (Some((_, shape)), Some(level)) = (c.surface.shape_at(centre), self.levels.last_mut()) else {
+            return false;
+        };
         level.note(POLYNOMIALS, shape.tensor, c.tensor_variance, c.misfit);
         true
     }

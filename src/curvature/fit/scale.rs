@@ -5,11 +5,10 @@
 //! the variances explain. The least sum of both wins. All statistics are means over neighbouring
 //! seeds.
 
-use super::cyclide::TERMS as CYCLIDE_TERMS;
 use super::fans::Fans;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch};
-use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober};
+use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober, unexplained};
 use super::seeds::tiers;
 use super::steady::ROUGH_WINDOW;
 use crate::mesh::Face;
@@ -81,23 +80,16 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         let of_tier = fewer.iter_mut().filter(|(t, _)| *t == tier).map(|(_, probe)| &mut **probe).collect();
         probe_all(fans, of_tier, DENSE..DENSE + tier, &seed_of);
     }
-    let chosen: Vec<Option<Choice>> = (0..probes.len())
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .map(|i| {
+    let chosen: Vec<Vec<Choice>> = probes
+        .par_chunks(CHUNK)
+        .map(|chunk| {
             ground.progress.advance(0);
-            choose(&probes[i], &probes)
+            chunk.iter().filter_map(|probe| choose(probe, &probes)).collect()
         })
         .collect();
-    let is_needed = |i: usize, choice: &Choice| {
-        let stands_in = |j: u32| {
-            tiers[j as usize] + DENSE >= choice.level && chosen[j as usize].is_some_and(|c| c.level == choice.level)
-        };
-        true || tiers[i] + DENSE >= choice.level || !probes[i].neighbours.iter().any(|&j| stands_in(j))
-    };
-    let needed: Vec<Choice> = (0..probes.len()).filter_map(|i| chosen[i].filter(|c| is_needed(i, c))).collect();
     drop(probes);
-    let patches: Vec<Vec<Patch>> = needed
+    let chosen: Vec<Choice> = chosen.into_iter().flatten().collect();
+    let patches: Vec<Vec<Patch>> = chosen
         .par_chunks(CHUNK)
         .map_init(
             || Prober::new(fans),
@@ -108,7 +100,7 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         )
         .collect();
     let patches: Vec<Patch> = patches.into_iter().flatten().collect();
-    patches::blend(ground, &patches, wanted)
+    patches::blend(ground, patches, wanted)
 }
 
 fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>, seed_of: &[u32]) {
@@ -138,15 +130,11 @@ fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
         std::array::from_fn(|j| noise * mean(&|p| p.at(j / MODELS).variances[j % MODELS]));
     let misfit: [f64; CANDIDATES] = std::array::from_fn(|j| mean(&|p| p.at(j / MODELS).misfits[j % MODELS]));
     let there = |j: usize| variance[j].is_finite() && probe.may_have(j / MODELS, j % MODELS);
-    // What a window does not explain beyond chance.
-    let excess = |j: usize| {
-        let chance = 2.0 * (2.0 / LEVELS[j / MODELS] as f64).sqrt();
-        (misfit[j] - noise * (1.0 + chance)).max(0.0)
-    };
+    let detail = |j: usize| unexplained(misfit[j], noise, j / MODELS);
     let is_polynomial = |j: usize| j % MODELS < POLYNOMIALS;
     // Only polynomials that explain their window bear witness to the bias of others.
     let witness: [bool; CANDIDATES] =
-        std::array::from_fn(|i| is_polynomial(i) && there(i) && (i < 2 * MODELS || excess(i) == 0.0));
+        std::array::from_fn(|i| is_polynomial(i) && there(i) && (i < 2 * MODELS || detail(i) == 0.0));
     // A cyclide is believed where it explains its window better than a polynomial does.
     let believed = |j: usize| is_polynomial(j) || misfit[j] < misfit[j - 1];
 
@@ -161,9 +149,7 @@ fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
             let between = mean(&|p| distance_squared(tensor(p, i), tensor(p, j)));
             bias = bias.max(between - (variance[i] - variance[j]));
         }
-        // What is not explained is detail; it bends the fit as a whole, not sample by sample.
-        let coherent = excess(j) / noise * LEVELS[j / MODELS] as f64 / CYCLIDE_TERMS as f64;
-        let risk = variance[j] * (1.0 + coherent) + bias;
+        let risk = variance[j] * (1.0 + detail(j)) + bias;
         if risk < best.0 {
             best = (risk, j);
         }

@@ -67,10 +67,14 @@ pub(super) fn tangents<T: Real>(n: V3<T>) -> (V3<T>, V3<T>) {
 }
 
 impl Shape {
-    pub(super) fn principal(&self) -> Principal {
+    /// The tensor as its upper triangle.
+    pub(super) fn symmetric(&self) -> Symmetric<f64> {
         let [x, y, z] = [self.tensor.x_axis, self.tensor.y_axis, self.tensor.z_axis];
-        let tensor = Symmetric { xx: x.x, xy: x.y, yy: y.y, xz: x.z, yz: y.z, zz: z.z };
-        Principal::of(self.normal.into(), &tensor)
+        Symmetric { xx: x.x, xy: x.y, yy: y.y, xz: x.z, yz: y.z, zz: z.z }
+    }
+
+    pub(super) fn principal(&self) -> Principal {
+        Principal::of(self.normal.into(), &self.symmetric())
     }
 }
 

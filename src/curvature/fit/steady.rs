@@ -59,7 +59,7 @@ pub(super) fn around_vertices(fans: &Fans<'_>) -> Vec<Option<Blended>> {
             let mut mean = Mean::new();
             for v in ground.mesh.topology().corners(Face(f)) {
                 if let Some(value) = &around[v.index()] {
-                    mean.add(value, 1.0);
+                    mean.add(value.shape.symmetric(), value.shape.normal, value.radius, value.error, 1.0);
                 }
             }
             mean.value()
