@@ -12,10 +12,12 @@ use rayon::prelude::*;
 const BINS: usize = 1 << 12;
 /// Faces at least from which the range of the bins is taken.
 const SAMPLE: usize = 1 << 10;
-/// Faces whose numbers are worked out together.
+/// Faces whose numbers are worked out together: with all they hold they stay in the nearest cache.
 const TOGETHER: usize = 256;
 /// Faces at least that are worth bins of their own.
 const WORTH_BINS: usize = 1 << 16;
+/// The bin of a face without a number.
+const NO_BIN: u32 = BINS as u32;
 /// Marks a bin that no rank is in.
 const UNWANTED: u8 = u8::MAX;
 
@@ -27,26 +29,26 @@ pub(crate) fn at_shares<const N: usize>(
     shares: [f64; N],
 ) -> Vec<Option<[f32; N]>> {
     let columns: Vec<Column> = quantities.par_iter().map(|&quantity| Column::new(quantity, values)).collect();
-    let none = || vec![vec![0_u32; BINS]; columns.len()];
-    let counts = gather(
-        &columns,
-        values,
-        none,
-        |_, counts, bin, _| counts[bin] += 1,
-        |all, more| {
-            all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
-        },
-    );
-    let places: Vec<Option<[Place; N]>> = counts.iter().map(|counts| Place::of_shares(counts, shares)).collect();
+    let none = || vec![[0_u32; BINS + 1]; columns.len()];
+    let count =
+        |_, counts: &mut [u32; BINS + 1], block: &Block| block.bins.iter().for_each(|&bin| counts[bin as usize] += 1);
+    let counts = gather(&columns, values, none, count, |all, more| {
+        all.iter_mut().zip(more).for_each(|(all, more)| *all += more);
+    });
+    let places: Vec<Option<[Place; N]>> =
+        counts.iter().map(|counts| Place::of_shares(&counts[..BINS], shares)).collect();
     // Which of the lists of candidates a bin has.
-    let mut list_of = vec![[UNWANTED; BINS]; columns.len()];
+    let mut list_of = vec![[UNWANTED; BINS + 1]; columns.len()];
     for (list_of, places) in list_of.iter_mut().zip(&places) {
         places.iter().flatten().zip(0..).for_each(|(place, list)| list_of[place.bin] = list);
     }
     let none = || vec![vec![Vec::new(); N]; columns.len()];
-    let take = |column: usize, lists: &mut Vec<Vec<f32>>, bin: usize, number: f32| {
-        if let Some(list) = lists.get_mut(list_of[column][bin] as usize) {
-            list.push(number);
+    let take = |column: usize, lists: &mut Vec<Vec<f32>>, block: &Block| {
+        for (&bin, &number) in block.bins.iter().zip(&block.numbers) {
+            let list = list_of[column][bin as usize];
+            if list != UNWANTED {
+                lists[list as usize].push(number);
+            }
         }
     };
     let mut candidates = gather(&columns, values, none, take, |all, more| {
@@ -64,28 +66,34 @@ pub(crate) fn at_shares<const N: usize>(
         .collect()
 }
 
-/// Calls `add` for every number of every column with its bin, and `join` for what threads have gathered.
+/// Calls `add` for every column with every block of faces, and `join` for what threads have gathered.
 fn gather<T: Send>(
     columns: &[Column],
     values: &[FaceCurvature],
     none: impl Fn() -> Vec<T> + Sync + Send,
-    add: impl Fn(usize, &mut T, usize, f32) + Sync,
+    add: impl Fn(usize, &mut T, &Block) + Sync,
     join: impl Fn(&mut T, T) + Sync,
 ) -> Vec<T> {
-    let add = |mut all: Vec<T>, faces: &[FaceCurvature]| {
+    let begin = || (none(), Block { numbers: [f32::NAN; TOGETHER], bins: [NO_BIN; TOGETHER] });
+    let add = |(mut all, mut block): (Vec<T>, Block), faces: &[FaceCurvature]| {
         for (n, (all, column)) in all.iter_mut().zip(columns).enumerate() {
-            for &number in column.numbers(faces)[..faces.len()].iter().filter(|number| !number.is_nan()) {
-                add(n, all, column.bin(number), number);
-            }
+            column.fill(faces, &mut block);
+            add(n, all, &block);
         }
-        all
+        (all, block)
     };
     let join = |mut all: Vec<T>, more: Vec<T>| {
         all.iter_mut().zip(more).for_each(|(all, more)| join(all, more));
         all
     };
     let blocks = values.par_chunks(TOGETHER).with_min_len(WORTH_BINS / TOGETHER);
-    blocks.fold(&none, add).reduce_with(join).unwrap_or_else(&none)
+    blocks.fold(begin, add).map(|(all, _)| all).reduce_with(join).unwrap_or_else(&none)
+}
+
+/// A quantity's numbers of some faces, NaN for a face without and beyond them, and their bins.
+struct Block {
+    numbers: [f32; TOGETHER],
+    bins: [u32; TOGETHER],
 }
 
 /// Where a rank is.
@@ -122,9 +130,12 @@ struct Column {
 impl Column {
     fn new(quantity: Quantity, values: &[FaceCurvature]) -> Self {
         let mut column = Column { quantity, low: 0.0, scale: 0.0 };
-        let some = values.iter().step_by(values.len().div_ceil(SAMPLE).max(1));
-        let mut sample: Vec<f32> = some.map(|of| column.numbers(std::slice::from_ref(of))[0]).collect();
-        sample.retain(|number| number.is_finite());
+        let mut block = Block { numbers: [f32::NAN; TOGETHER], bins: [NO_BIN; TOGETHER] };
+        let mut sample: Vec<f32> = Vec::new();
+        for face in values.iter().step_by(values.len().div_ceil(SAMPLE).max(1)) {
+            column.fill(std::slice::from_ref(face), &mut block);
+            sample.extend(block.numbers[..1].iter().filter(|number| !number.is_nan()));
+        }
         sample.sort_unstable_by(f32::total_cmp);
         if let [low, .., high] = sample[sample.len() / 50..sample.len() - sample.len() / 50] {
             let scale = (BINS - 1) as f32 / (high - low);
@@ -134,27 +145,22 @@ impl Column {
         column
     }
 
-    #[inline]
-    fn bin(&self, number: f32) -> usize {
-        ((number - self.low) * self.scale).clamp(0.0, (BINS - 1) as f32) as usize
-    }
-
-    /// Numbers in the order of the values of up to [`TOGETHER`] faces; NaN for a face without.
-    #[inline]
-    fn numbers(&self, faces: &[FaceCurvature]) -> [f32; TOGETHER] {
+    fn fill(&self, faces: &[FaceCurvature], block: &mut Block) {
+        let numbers = &mut block.numbers[..faces.len()];
         match self.quantity {
-            Quantity::KMax => numbers(faces, |of| of.k_max),
-            Quantity::KMin => numbers(faces, |of| of.k_min),
-            Quantity::Mean => numbers(faces, FaceCurvature::mean),
-            Quantity::Gauss => numbers(faces, FaceCurvature::gauss),
-            Quantity::GaussPerimeter => numbers(faces, |of| of.gauss_perimeter),
-            Quantity::Radius => numbers(faces, |of| of.radius),
-            Quantity::Coverage => numbers(faces, |of| of.coverage),
-            Quantity::Confidence => numbers(faces, |of| of.confidence),
             // What grows with the angle and with the root takes far less to work out than these.
-            Quantity::ShapeIndex => numbers(faces, tangent),
-            Quantity::Curvedness => numbers(faces, square),
-            quantity => numbers(faces, |of| quantity.value(Face(0), of, 0)),
+            Quantity::ShapeIndex => numbers.iter_mut().zip(faces).for_each(|(slot, of)| *slot = tangent(of)),
+            Quantity::Curvedness => numbers.iter_mut().zip(faces).for_each(|(slot, of)| *slot = square(of)),
+            quantity => quantity.values(Face(0), faces, 0, numbers),
+        }
+        for (number, face) in numbers.iter_mut().zip(faces) {
+            *number = if face.is_estimated() && number.is_finite() { *number } else { f32::NAN };
+        }
+        block.numbers[faces.len()..].fill(f32::NAN);
+        for (bin, &number) in block.bins.iter_mut().zip(&block.numbers) {
+            // Without a branch, so that several are done at once.
+            let within = ((number - self.low) * self.scale).clamp(0.0, (BINS - 1) as f32) as i32 as u32;
+            *bin = if number.is_nan() { NO_BIN } else { within };
         }
     }
 
@@ -166,16 +172,6 @@ impl Column {
             _ => number,
         }
     }
-}
-
-#[inline]
-fn numbers(faces: &[FaceCurvature], number: impl Fn(&FaceCurvature) -> f32) -> [f32; TOGETHER] {
-    let mut numbers = [f32::NAN; TOGETHER];
-    for (slot, face) in numbers.iter_mut().zip(faces) {
-        let number = number(face);
-        *slot = if face.is_estimated() && number.is_finite() { number } else { f32::NAN };
-    }
-    numbers
 }
 
 /// What grows with the shape index: finite, so that a sphere's is not left out.

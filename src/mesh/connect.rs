@@ -205,3 +205,52 @@ impl Buckets {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::{Grid, Surface};
+    use std::collections::BTreeMap;
+
+    /// Face by face, with a map of all edges.
+    fn plainly(faces: &[[u32; 3]]) -> Vec<u32> {
+        let mut edges: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+        for (f, &[a, b, c]) in faces.iter().enumerate() {
+            for (i, [p, q]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
+                edges.entry([p.min(q), p.max(q)]).or_default().push((3 * f + i) as u32);
+            }
+        }
+        let mut across = vec![BOUNDARY; 3 * faces.len()];
+        for sides in edges.values() {
+            match **sides {
+                [_] => {}
+                [a, b] => (across[a as usize], across[b as usize]) = (b, a),
+                _ => sides.iter().for_each(|&h| across[h as usize] = NON_MANIFOLD),
+            }
+        }
+        across
+    }
+
+    /// Faces in file order touch few ranges each, faces in any order all of them; both several at a time.
+    #[test]
+    fn ranges_and_threads_change_nothing() {
+        let soup = Grid::with_faces(Surface::Torus { major: 3.0, minor: 1.0 }, 12 * BLOCK, 1.0).build().soup;
+        let vertices = soup.positions.len();
+        assert!(vertices > 4 * FEW);
+        let mut faces = soup.triangles;
+        // Boundaries, and edges with three faces.
+        faces.drain(7000..7100);
+        faces.extend((0..100).map(|i| [faces[i][0], faces[i][1], faces[i + 9000][2]]));
+        let mut shuffled = faces.clone();
+        (0..shuffled.len()).for_each(|i| shuffled.swap(i, i * 7919 % faces.len()));
+        for faces in [faces, shuffled] {
+            let expected = plainly(&faces);
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+                let (across, found) = pool.install(|| connect(&faces, vertices, &vec![false; faces.len()]));
+                assert_eq!(across, expected);
+                assert!(found.duplicates.is_empty() && found.non_manifold_edges == 100);
+            }
+        }
+    }
+}

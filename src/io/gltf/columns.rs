@@ -12,6 +12,7 @@ use crate::io::blocks::in_blocks;
 use crate::mesh::Face;
 use crate::numbers::Numbers;
 use crate::progress::Progress;
+use crate::quantity::{Quantity, finite};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -69,10 +70,7 @@ impl Columns {
         }
         blocks.into_par_iter().enumerate().for_each(|(n, block)| {
             let first = (n * BLOCK) as u32;
-            for (column, stream) in block.into_iter().zip(streams) {
-                let numbers = column.iter_mut().zip(first..).map(|(slot, place)| (slot, Face(faces.at(place))));
-                fill(stream, annotation, numbers);
-            }
+            block.into_iter().zip(streams).for_each(|(column, stream)| fill(column, stream, faces, first, annotation));
         });
         self.ready.extend(columns);
     }
@@ -88,15 +86,26 @@ fn of_faces<'p>(piece: &'p Piece<'_>) -> Option<(&'p Stream<'p>, &'p Numbers)> {
     }
 }
 
-fn fill<'s>(stream: &Stream<'_>, annotation: &Annotation<'_>, faces: impl Iterator<Item = (&'s mut f32, Face)>) {
-    match stream {
-        Stream::Value { quantity, component, .. } => {
-            let stored = stored_value(annotation, *quantity, *component);
-            faces.for_each(|(slot, face)| *slot = stored(Some(face)));
+/// Sets the part of a stream's column that begins at a place.
+fn fill(column: &mut [f32], stream: &Stream<'_>, faces: &Numbers, place: u32, annotation: &Annotation<'_>) {
+    match (stream, faces) {
+        (Stream::Value { quantity, component, .. }, Numbers::Run(run)) => {
+            let first = Face(run.start + place);
+            let is_direction = matches!(quantity, Quantity::DirMax | Quantity::DirMin);
+            let turned = is_direction.then(|| annotation.space.turned_component(*component));
+            let (component, sign) = turned.unwrap_or((*component, 1.0));
+            let factor = f64::from(sign) * annotation.space.factor(quantity.dimension());
+            quantity.values(first, &annotation.values[first.index()..], component, column);
+            column.iter_mut().for_each(|value| *value = finite(f64::from(*value) * factor));
         }
-        Stream::PaletteCoordinate { u, .. } => {
+        (Stream::Value { quantity, component, .. }, _) => {
+            let stored = stored_value(annotation, *quantity, *component);
+            column.iter_mut().zip(place..).for_each(|(slot, place)| *slot = stored(Some(Face(faces.at(place)))));
+        }
+        (Stream::PaletteCoordinate { u, .. }, _) => {
             let colors = annotation.colors.get(*u);
-            faces.for_each(|(slot, face)| *slot = texel_of(colors, annotation, Some(face)));
+            let texel = |place| texel_of(colors, annotation, Some(Face(faces.at(place))));
+            column.iter_mut().zip(place..).for_each(|(slot, place)| *slot = texel(place));
         }
         _ => {}
     }

@@ -9,7 +9,7 @@ use crate::io::blocks::in_blocks;
 use crate::mesh::{Face, HalfEdge};
 use crate::numbers::Numbers;
 use crate::progress::Progress;
-use crate::quantity::Quantity;
+use crate::quantity::{self, Quantity};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::io::{self, Write};
@@ -155,7 +155,7 @@ impl Stream<'_> {
                 let at = |corner: Option<HalfEdge>| {
                     let vertex = corner.map(|corner| annotation.mesh.topology().origin(corner));
                     let value = vertex.and_then(|vertex| values.map(|values| values[vertex.index()]));
-                    finite_value(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
+                    quantity::finite(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
                 };
                 in_blocks(owners.len(), out, progress, |block, bytes| {
                     for v in block {
@@ -202,11 +202,6 @@ pub(super) fn stored_value<'v>(
             None => quantity.stored(face, value, component, factor),
         }
     }
-}
-
-/// A value as binary files carry it.
-fn finite_value(value: f64) -> f32 {
-    if value.is_nan() { 0.0 } else { value.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 
 /// The middle of a texel of a palette, or of the palette: right for any filter and however a client rounds.
