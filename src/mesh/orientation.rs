@@ -118,13 +118,13 @@ impl Windings {
     /// are left out are in the first, for want of one.
     fn number_components(&mut self, left_out: &[bool]) -> Vec<Face> {
         let mut first_faces = Vec::new();
-        for face in 0..self.links.len() {
+        for (face, &left_out) in left_out.iter().enumerate() {
             let link = self.links[face];
             let parent = (link >> 1) as usize;
             // A parent comes first, and so has its component already.
             self.links[face] = if parent < face {
                 self.links[parent] ^ (link & 1)
-            } else if left_out[face] {
+            } else if left_out {
                 0
             } else {
                 first_faces.push(Face(face as u32));
