@@ -413,11 +413,14 @@ pub(crate) fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
 /// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits. Values that were
 /// read from a file were judged when they were estimated.
 pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
-    // Flat faces lose nothing by it.
-    let bent = || values.iter().filter(|v| v.is_estimated() && v.class != FaceClass::Flat);
-    let of_disks = bent().filter(|v| v.method == Method::Sections && v.coverage < 0.5).count();
-    let is_fit = |v: &FaceCurvature| !matches!(v.method, Method::Sections | Method::None);
-    let of_fits = bent().filter(|v| is_fit(v) && v.confidence < 0.1).count();
+    let weak = |v: &FaceCurvature| match v.method {
+        // Flat faces lose nothing by it.
+        _ if !v.is_estimated() || v.class == FaceClass::Flat => [0, 0],
+        Method::Sections => [usize::from(v.coverage < 0.5), 0],
+        Method::None => [0, 0],
+        _ => [0, usize::from(v.confidence < 0.1)],
+    };
+    let [of_disks, of_fits] = values.par_iter().map(weak).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let all = values.len();
     if 10 * of_disks > all {
         return Some(Note::info(format!(

@@ -105,6 +105,15 @@ impl Space {
         if self.z_up { Vec3::new(d.x, d.z, -d.y) } else { d }
     }
 
+    /// Which component of a direction of the input becomes a component of the output, and its sign there.
+    pub(crate) fn turned_component(self, component: usize) -> (usize, f32) {
+        match (self.z_up, component) {
+            (true, 1) => (2, 1.0),
+            (true, 2) => (1, -1.0),
+            _ => (component, 1.0),
+        }
+    }
+
     /// The factor for a quantity of this dimension (a power of length).
     pub fn factor(self, dimension: i32) -> f64 {
         self.scale().powi(dimension)

@@ -44,6 +44,7 @@ mod legend;
 mod lines;
 mod mesh;
 mod numbers;
+mod order_statistics;
 mod place;
 mod progress;
 mod quantity;

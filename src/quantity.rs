@@ -175,12 +175,40 @@ impl Quantity {
         }
     }
 
+    /// The values of many faces in a row, of which `first` is the first, as [`Quantity::value`] has each: what they are is
+    /// asked once.
+    pub(crate) fn values(self, first: Face, of: &[FaceCurvature], component: usize, out: &mut [f32]) {
+        #[inline]
+        fn each(of: &[FaceCurvature], out: &mut [f32], value: impl Fn(&FaceCurvature) -> f32) {
+            out.iter_mut().zip(of).for_each(|(slot, of)| *slot = value(of));
+        }
+        match self {
+            Quantity::Face => out.iter_mut().zip(first.0..).for_each(|(slot, face)| *slot = face as f32),
+            Quantity::KMax => each(of, out, |of| of.k_max),
+            Quantity::KMin => each(of, out, |of| of.k_min),
+            Quantity::Mean => each(of, out, FaceCurvature::mean),
+            Quantity::Gauss => each(of, out, FaceCurvature::gauss),
+            Quantity::GaussPerimeter => each(of, out, |of| of.gauss_perimeter),
+            Quantity::Radius => each(of, out, |of| of.radius),
+            Quantity::Coverage => each(of, out, |of| of.coverage),
+            Quantity::Confidence => each(of, out, |of| of.confidence),
+            Quantity::DirMax => each(of, out, |of| if of.is_estimated() { of.dir_max[component] } else { f32::NAN }),
+            Quantity::DirMin => each(of, out, |of| if of.is_estimated() { of.dir_min[component] } else { f32::NAN }),
+            _ => each(of, out, |of| self.value(first, of, component)),
+        }
+    }
+
     /// The value times `factor`, as binary files carry it: always finite, 0 where the face has no
     /// such value (class: -1).
     pub(crate) fn stored(self, face: Face, of: &FaceCurvature, component: usize, factor: f64) -> f32 {
-        let value = f64::from(self.value(face, of, component)) * factor;
-        if value.is_nan() { 0.0 } else { value.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
+        finite(f64::from(self.value(face, of, component)) * factor)
     }
+}
+
+/// A value as binary files carry it.
+#[inline]
+pub(crate) fn finite(value: f64) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 
 /// Which quantities a file gets: those its format has by default, or others, or both.

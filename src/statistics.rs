@@ -2,10 +2,10 @@
 
 use crate::curvature::{FaceClass, FaceCurvature};
 use crate::io::InputFormat;
-use crate::mesh::{Face, MeshReport};
+use crate::mesh::MeshReport;
+use crate::order_statistics::at_shares;
 use crate::quantity::Quantity;
 use crate::soup::Note;
-use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -73,44 +73,21 @@ impl CurvatureSummary {
     /// Summarises one value per face.
     pub fn of(values: &[FaceCurvature]) -> Self {
         let mut classes: BTreeMap<FaceClass, usize> = FaceClass::ALL.into_iter().map(|class| (class, 0)).collect();
-        for value in values {
-            *classes.entry(value.class).or_default() += 1;
+        for alike in values.chunk_by(|a, b| a.class == b.class) {
+            *classes.entry(alike[0].class).or_default() += alike.len();
         }
         use Quantity::{Confidence, Coverage, Curvedness, Gauss, GaussPerimeter, KMax, KMin, Mean, Radius, ShapeIndex};
-        let percentiles =
-            [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage, Confidence]
-                .into_par_iter()
-                .filter_map(|quantity| Some((quantity.token(), percentiles(quantity, values)?)))
-                .collect();
+        let quantities =
+            [KMax, KMin, Mean, Gauss, GaussPerimeter, ShapeIndex, Curvedness, Radius, Coverage, Confidence];
+        let shares = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0];
+        let percentiles = (quantities.iter().zip(at_shares(&quantities, values, shares)))
+            .filter_map(|(quantity, found)| {
+                let [min, p5, p25, p50, p75, p95, max] = found?;
+                Some((quantity.token(), Percentiles { min, p5, p25, p50, p75, p95, max }))
+            })
+            .collect();
         CurvatureSummary { estimated: values.len() - classes[&FaceClass::NotEstimated], classes, percentiles }
     }
-}
-
-fn percentiles(quantity: Quantity, values: &[FaceCurvature]) -> Option<Percentiles> {
-    let mut values: Vec<f32> = values
-        .par_iter()
-        .filter(|v| v.is_estimated())
-        .map(|v| quantity.value(Face(0), v, 0))
-        .filter(|v| v.is_finite())
-        .collect();
-    let last = values.len().checked_sub(1)?;
-    // Each one splits the rest: far cheaper than putting all in order.
-    let mut least = 0;
-    let mut at = |share: f64| {
-        let place = (last as f64 * share).round() as usize;
-        let (_, value, _) = values[least..].select_nth_unstable_by(place - least, f32::total_cmp);
-        least = place;
-        *value
-    };
-    Some(Percentiles {
-        min: at(0.0),
-        p5: at(0.05),
-        p25: at(0.25),
-        p50: at(0.5),
-        p75: at(0.75),
-        p95: at(0.95),
-        max: at(1.0),
-    })
 }
 
 /// Everything about one run; serialises to the object that `--stats` writes.

@@ -51,10 +51,11 @@ impl Mesh {
         options.check()?;
         check(triangles, positions.len())?;
         let body = [Group { name: String::new(), faces: 0..triangles.len() as u32 }];
-        let faces = Faces { triangles, bodies: &body };
+        let triangles = triangles.to_vec();
+        let faces = |triangles| Faces { triangles, bodies: &body };
         let welded = match (same, positions) {
-            (SameVertex::Position, PositionsRef::F32(positions)) => weld::weld_faces(faces, positions),
-            (SameVertex::Position, PositionsRef::F64(positions)) => weld::weld_faces(faces, positions),
+            (SameVertex::Position, PositionsRef::F32(positions)) => weld::weld_faces(faces(triangles), positions),
+            (SameVertex::Position, PositionsRef::F64(positions)) => weld::weld_faces(faces(triangles), positions),
             (SameVertex::Number, PositionsRef::F32(positions)) => weld::keep_numbers(triangles, positions),
             (SameVertex::Number, PositionsRef::F64(positions)) => weld::keep_numbers(triangles, positions),
         };

@@ -81,7 +81,8 @@ impl Dihedral<'_> {
     }
 
     /// The kinds of a face's edges, each as its lesser side sees it.
-    fn kinds(&self, face: Face, is_sharp: impl Fn((f64, f64)) -> bool) -> [EdgeKind; 3] {
+    #[inline]
+    fn kinds(&self, face: Face, limit: &Limit) -> [EdgeKind; 3] {
         let corners = self.topology.corners(face).map(|v| self.positions[v.index()]);
         let own = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let has_area = |face: Face| self.states[face.index()] != FaceState::NoArea;
@@ -94,16 +95,17 @@ impl Dihedral<'_> {
                 Across::Twin(twin) if twin < h => return EdgeKind::Inner,
                 Across::Twin(twin) => twin,
             };
-            let angle = if has_area(face) && has_area(twin.face()) {
+            let is_sharp = if has_area(face) && has_area(twin.face()) {
                 // Two of the neighbour's corners are at hand. From them its normal has this face's winding,
                 // whatever its own is.
                 let [start, end] = [corners[i], corners[(i + 1) % 3]];
                 let apex = self.positions[self.topology.apex(twin).index()];
-                cos_sin(own, (start - end).cross(apex - end))
+                let other = (start - end).cross(apex - end);
+                !limit.is_far_above(own, other) && limit.is_below(cos_sin(own, other))
             } else {
-                self.cos_sin(h, twin)
+                limit.is_below(self.cos_sin(h, twin))
             };
-            if is_sharp(angle) { EdgeKind::Feature } else { EdgeKind::Inner }
+            if is_sharp { EdgeKind::Feature } else { EdgeKind::Inner }
         })
     }
 }
@@ -112,15 +114,45 @@ fn cos_sin(a: DVec3, b: DVec3) -> (f64, f64) {
     (a.dot(b), a.cross(b).length())
 }
 
+/// The feature angle.
+struct Limit {
+    sin: f64,
+    cos: f64,
+    /// Of the cosine, and more than rounding may add to it; infinite for a large angle, whose cosine has few digits.
+    square: f64,
+}
+
+impl Limit {
+    /// `angle` in degrees, 0 to 180; at 180 there are no features.
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = if angle < 180.0 { angle.to_radians().sin_cos() } else { (0.0, -1.0) };
+        let square = if angle < 80.0 { cos * cos * (1.0 + 1e-9) } else { f64::INFINITY };
+        Limit { sin, cos, square }
+    }
+
+    /// True for an angle, by its cosine and sine, above this one: both are within 0 and 180 degrees, so that the sine of
+    /// their difference decides.
+    #[inline]
+    fn is_below(&self, (cos, sin): (f64, f64)) -> bool {
+        sin * self.cos - cos * self.sin > 0.0
+    }
+
+    /// True for an angle between two vectors that is so far below this one that no root is needed to see it.
+    #[inline]
+    fn is_far_above(&self, a: DVec3, b: DVec3) -> bool {
+        /// Products below it have lost digits.
+        const SMALL: f64 = 1e-280;
+        let (cos, squares) = (a.dot(b), a.length_squared() * b.length_squared());
+        cos > 0.0 && cos * cos > squares * self.square && squares > SMALL
+    }
+}
+
 /// Classifies every half-edge. `feature_angle` in degrees, 0 to 180; at 180 there are no features.
 pub(super) fn classify(dihedral: &Dihedral<'_>, feature_angle: f64) -> Vec<EdgeKind> {
-    let (sin, cos) = feature_angle.to_radians().sin_cos();
-    // angle > feature angle, both within [0, 180]: the sine of the difference decides.
-    let is_sharp = |(c, s): (f64, f64)| feature_angle < 180.0 && s * cos - c * sin > 0.0;
+    let limit = Limit::new(feature_angle);
     let topology = dihedral.topology;
     let faces = (0..topology.face_count() as u32).into_par_iter().map(Face);
-    let mut kinds: Vec<EdgeKind> =
-        faces.map(|face| dihedral.kinds(face, is_sharp)).collect::<Vec<_>>().into_flattened();
+    let mut kinds: Vec<EdgeKind> = faces.map(|face| dihedral.kinds(face, &limit)).collect::<Vec<_>>().into_flattened();
     for h in (0..kinds.len() as u32).map(HalfEdge) {
         if kinds[h.index()] == EdgeKind::Feature
             && let Some(twin) = topology.twin(h)

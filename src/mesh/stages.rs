@@ -1,13 +1,14 @@
 //! Single stages of building a mesh, for benches.
 
 use super::Topology;
-use super::weld::weld_exact;
+use super::weld::{Faces, weld_exact};
 use crate::soup::Soup;
 use glam::DVec3;
 
 /// Positions of the vertices, and vertex numbers per face.
 pub fn weld(soup: &Soup) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let welded = weld_exact(soup);
+    let faces = Faces { triangles: soup.triangles.clone(), bodies: &soup.bodies };
+    let welded = weld_exact(faces, &soup.positions);
     (welded.positions, welded.faces)
 }
 

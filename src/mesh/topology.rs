@@ -1,5 +1,6 @@
 //! Which face lies across which edge. Knows vertex numbers, never positions.
 
+use super::connect::connect;
 use super::ids::{Face, HalfEdge, Vertex};
 use rayon::prelude::*;
 
@@ -14,8 +15,8 @@ pub enum Across {
     NonManifold,
 }
 
-const BOUNDARY: u32 = u32::MAX;
-const NON_MANIFOLD: u32 = u32::MAX - 1;
+pub(super) const BOUNDARY: u32 = u32::MAX;
+pub(super) const NON_MANIFOLD: u32 = u32::MAX - 1;
 
 /// Faces as vertex triples and the half-edge across each half-edge.
 ///
@@ -29,6 +30,7 @@ pub struct Topology {
 }
 
 /// What [`Topology::new`] found besides.
+#[derive(Default)]
 pub(super) struct Found {
     /// Pairs (face, earlier face) with the same three vertices, ordered by face.
     pub(super) duplicates: Vec<(Face, Face)>,
@@ -40,17 +42,18 @@ impl Topology {
     /// Connects faces over shared edges, leaving out those for which `left_out` is true and the
     /// second and later copies of a face. Linear in the number of faces.
     pub(super) fn new(faces: Vec<[u32; 3]>, vertex_count: usize, left_out: &[bool]) -> (Self, Found) {
-        let mut topology = Topology { across: Vec::new(), faces };
-        let found = topology.connect(vertex_count, |f| left_out[f]);
+        let (across, found) = connect(&faces, vertex_count, left_out);
         if found.duplicates.is_empty() {
-            return (topology, found);
+            return (Topology { faces, across }, found);
         }
         let mut out = left_out.to_vec();
         for (copy, _) in &found.duplicates {
             out[copy.index()] = true;
         }
-        let again = topology.connect(vertex_count, |f| out[f]);
-        (topology, Found { duplicates: found.duplicates, non_manifold_edges: again.non_manifold_edges })
+        drop(across);
+        let (across, again) = connect(&faces, vertex_count, &out);
+        let found = Found { duplicates: found.duplicates, non_manifold_edges: again.non_manifold_edges };
+        (Topology { faces, across }, found)
     }
 
     /// The same neighbours for faces in another order: `faces` has the old number of every new face, `corners` their
@@ -67,52 +70,6 @@ impl Topology {
             })
             .collect();
         Topology { faces: corners, across }
-    }
-
-    fn connect(&mut self, vertex_count: usize, left_out: impl Fn(usize) -> bool) -> Found {
-        let mut buckets = EdgeBuckets::new(&self.faces, vertex_count, left_out);
-        self.across = vec![BOUNDARY; 3 * self.faces.len()];
-        let mut found = Found { duplicates: Vec::new(), non_manifold_edges: 0 };
-        for lesser in 0..vertex_count {
-            for sides in buckets.edges_of(lesser) {
-                match *sides {
-                    [_] => {}
-                    [a, b] => {
-                        let [a, b] = [a as u32, b as u32];
-                        self.across[a as usize] = b;
-                        self.across[b as usize] = a;
-                        self.note_duplicates(&mut [a, b], &mut found.duplicates);
-                    }
-                    _ => {
-                        found.non_manifold_edges += 1;
-                        let mut sides: Vec<u32> = sides.iter().map(|&side| side as u32).collect();
-                        for &h in &sides {
-                            self.across[h as usize] = NON_MANIFOLD;
-                        }
-                        self.note_duplicates(&mut sides, &mut found.duplicates);
-                    }
-                }
-            }
-        }
-        // Each pair turns up once per edge; a copy belongs to the earliest face like it.
-        found.duplicates.sort_unstable();
-        found.duplicates.dedup_by_key(|(copy, _)| *copy);
-        found
-    }
-
-    /// Faces on one edge with the same opposite vertex are copies of the first of them.
-    fn note_duplicates(&self, sides: &mut [u32], duplicates: &mut Vec<(Face, Face)>) {
-        let apex = |&h: &u32| self.apex(HalfEdge(h)).0;
-        if let [a, b] = sides
-            && apex(a) != apex(b)
-        {
-            return;
-        }
-        sides.sort_unstable_by_key(|h| (apex(h), *h));
-        for alike in sides.chunk_by(|a, b| apex(a) == apex(b)) {
-            let first = HalfEdge(alike[0]).face();
-            duplicates.extend(alike[1..].iter().map(|&h| (HalfEdge(h).face(), first)));
-        }
     }
 
     /// Number of faces.
@@ -173,51 +130,6 @@ impl Topology {
     #[inline]
     pub fn is_flipped(&self, h: HalfEdge, twin: HalfEdge) -> bool {
         self.origin(h) == self.origin(twin)
-    }
-}
-
-/// Half-edges sorted into buckets by their lesser vertex (a counting sort).
-struct EdgeBuckets {
-    ends: Vec<u32>,
-    /// The greater vertex in the upper half, the half-edge in the lower: one number sorts faster than two.
-    entries: Vec<u64>,
-}
-
-impl EdgeBuckets {
-    fn new(faces: &[[u32; 3]], vertex_count: usize, left_out: impl Fn(usize) -> bool) -> Self {
-        let sides = |f: usize| {
-            let [a, b, c] = faces[f];
-            [(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q)))
-        };
-        let present = || (0..faces.len()).filter(|&f| !left_out(f));
-        let mut ends = vec![0_u32; vertex_count + 1];
-        for f in present() {
-            for (lesser, _) in sides(f) {
-                ends[lesser as usize + 1] += 1;
-            }
-        }
-        for v in 1..=vertex_count {
-            ends[v] += ends[v - 1];
-        }
-        let total = ends[vertex_count] as usize;
-        let mut entries = vec![0; total];
-        // Filling moves each bucket's start to its end, which is all that reading needs.
-        for f in present() {
-            for (i, (lesser, greater)) in sides(f).into_iter().enumerate() {
-                let place = &mut ends[lesser as usize];
-                entries[*place as usize] = u64::from(greater) << 32 | (3 * f + i) as u64;
-                *place += 1;
-            }
-        }
-        EdgeBuckets { ends, entries }
-    }
-
-    /// The edges whose lesser vertex is `lesser`, each as the list of its sides in face order.
-    fn edges_of(&mut self, lesser: usize) -> impl Iterator<Item = &[u64]> {
-        let start = if lesser == 0 { 0 } else { self.ends[lesser - 1] as usize };
-        let bucket = &mut self.entries[start..self.ends[lesser] as usize];
-        bucket.sort_unstable();
-        bucket.chunk_by(|a, b| a >> 32 == b >> 32)
     }
 }
 

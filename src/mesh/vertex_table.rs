@@ -103,11 +103,6 @@ impl<P: Position> VertexTable<P> {
         &self.positions
     }
 
-    /// Positions by vertex.
-    pub(super) fn into_positions(self) -> Vec<P> {
-        self.positions
-    }
-
     /// Vertices made from here on are not found by positions of before. Returns the next number.
     pub(super) fn begin_body(&mut self) -> u32 {
         let first = self.positions.len() as u32;

@@ -6,7 +6,7 @@
 //! gives. Faces that share positions already (OBJ, PLY) need one look-up for each position.
 
 use super::vertex_table::{Position, TOGETHER, VertexTable};
-use crate::soup::{Group, Positions, Soup};
+use crate::soup::{Group, Positions};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::hash::{BuildHasher, RandomState};
@@ -26,21 +26,19 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Faces of a block.
 const BLOCK: usize = 1 << 13;
-/// Blocks that are welded before their vertices are looked up: enough for many threads, and little to
-/// hold.
-const AT_ONCE: usize = 64;
+/// Blocks that are welded while the vertices of as many are looked up: enough for many threads, and little to hold.
+const AT_ONCE: usize = 32;
 
 /// Faces over positions, and which of them share a coordinate space.
-#[derive(Clone, Copy)]
 pub(super) struct Faces<'a> {
-    pub(super) triangles: &'a [[u32; 3]],
+    /// Taken over: they become those over the vertices.
+    pub(super) triangles: Vec<[u32; 3]>,
     pub(super) bodies: &'a [Group],
 }
 
 /// Welds corners whose coordinates are equal, body by body.
-pub(super) fn weld_exact(soup: &Soup) -> Welded {
-    let faces = Faces { triangles: &soup.triangles, bodies: &soup.bodies };
-    match &soup.positions {
+pub(super) fn weld_exact(faces: Faces<'_>, positions: &Positions) -> Welded {
+    match positions {
         Positions::F32(positions) => weld_faces(faces, positions),
         Positions::F64(positions) => weld_faces(faces, positions),
     }
@@ -48,106 +46,97 @@ pub(super) fn weld_exact(soup: &Soup) -> Welded {
 
 /// Welds corners whose coordinates are equal, body by body.
 pub(super) fn weld_faces<P: Position>(faces: Faces<'_>, positions: &[P]) -> Welded {
-    let (positions, faces) = weld(faces, positions);
-    Welded { positions, faces, merged_by_distance: 0 }
-}
-
-/// Takes vertices as they are numbered, equal positions or not.
-pub(super) fn keep_numbers<P: Position>(triangles: &[[u32; 3]], given: &[P]) -> Welded {
-    let mut vertex_of: Vec<u32> = vec![NONE; given.len()];
-    let mut positions = Vec::with_capacity(given.len().min(3 * triangles.len()));
-    let mut number = |corner: u32| {
-        let known = &mut vertex_of[corner as usize];
-        if *known == NONE {
-            *known = positions.len() as u32;
-            positions.push(given[corner as usize].canonical().wide());
-        }
-        *known
-    };
-    let faces = triangles.iter().map(|triangle| triangle.map(&mut number)).collect();
-    Welded { positions, faces, merged_by_distance: 0 }
-}
-
-fn weld<P: Position>(soup: Faces<'_>, positions: &[P]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let Faces { mut triangles, bodies } = faces;
     // Different in every run, so that no file can be made to collide. The numbering does not depend on it.
     let secret = RandomState::new().hash_one(0);
     // A closed mesh has half as many vertices as faces: sized by that, a soup whose corners are
     // all apart grows its table three times, which is cheaper than clearing a table for the worst.
-    let mut table = VertexTable::new(soup.triangles.len() / 2, secret);
-    let faces = if positions.len() > 2 * soup.triangles.len() {
-        weld_blocks(soup, positions, &mut table, secret)
+    let mut table = VertexTable::new(triangles.len() / 2, secret);
+    if positions.len() > 2 * triangles.len() {
+        weld_blocks(&mut triangles, bodies, positions, &mut table, secret);
     } else {
-        weld_shared(soup, positions, &mut table)
-    };
-    (table.into_positions().into_iter().map(Position::wide).collect(), faces)
+        weld_shared(&mut triangles, bodies, positions, &mut table);
+    }
+    let positions = table.positions().par_iter().map(|position| position.wide()).collect();
+    Welded { positions, faces: triangles, merged_by_distance: 0 }
+}
+
+/// Takes vertices as they are numbered, equal positions or not.
+pub(super) fn keep_numbers<P: Position>(mut triangles: Vec<[u32; 3]>, given: &[P]) -> Welded {
+    let mut vertex_of: Vec<u32> = vec![NONE; given.len()];
+    let mut positions = Vec::with_capacity(given.len().min(3 * triangles.len()));
+    for corner in triangles.as_flattened_mut() {
+        let known = &mut vertex_of[*corner as usize];
+        if *known == NONE {
+            *known = positions.len() as u32;
+            positions.push(given[*corner as usize].canonical().wide());
+        }
+        *corner = *known;
+    }
+    Welded { positions, faces: triangles, merged_by_distance: 0 }
 }
 
 /// Looks each position up once for each body that uses it.
-fn weld_shared<P: Position>(soup: Faces<'_>, positions: &[P], table: &mut VertexTable<P>) -> Vec<[u32; 3]> {
+fn weld_shared<P: Position>(triangles: &mut [[u32; 3]], bodies: &[Group], positions: &[P], table: &mut VertexTable<P>) {
     let mut vertex_of: Vec<u32> = vec![NONE; positions.len()];
-    let mut faces = Vec::with_capacity(soup.triangles.len());
-    for body in soup.bodies {
+    for body in bodies {
         let first = table.begin_body();
-        for triangle in &soup.triangles[range(&body.faces)] {
-            faces.push(triangle.map(|corner| {
-                let known = &mut vertex_of[corner as usize];
-                // A number from before this body belongs to another coordinate space.
-                if *known == NONE || *known < first {
-                    *known = table.vertex_at(positions[corner as usize].canonical());
-                }
-                *known
-            }));
+        for corner in triangles[range(&body.faces)].as_flattened_mut() {
+            let known = &mut vertex_of[*corner as usize];
+            // A number from before this body belongs to another coordinate space.
+            if *known == NONE || *known < first {
+                *known = table.vertex_at(positions[*corner as usize].canonical());
+            }
+            *corner = *known;
         }
     }
-    faces
 }
 
 /// Welds blocks of faces for themselves, then their vertices.
 fn weld_blocks<P: Position>(
-    soup: Faces<'_>,
+    triangles: &mut [[u32; 3]],
+    bodies: &[Group],
     positions: &[P],
     table: &mut VertexTable<P>,
     secret: u64,
-) -> Vec<[u32; 3]> {
-    let mut faces = Vec::with_capacity(soup.triangles.len());
-    for body in soup.bodies {
+) {
+    let weld = |faces: &mut [[u32; 3]]| -> Vec<Vec<P>> {
+        faces
+            .par_chunks_mut(BLOCK)
+            .map_init(|| VertexTable::new(BLOCK, secret), |table, block| weld_block(block, positions, table))
+            .collect()
+    };
+    for body in bodies {
         table.begin_body();
-        for some in soup.triangles[range(&body.faces)].chunks(BLOCK * AT_ONCE) {
-            let blocks: Vec<Block<P>> = some
-                .par_chunks(BLOCK)
-                .map_init(|| VertexTable::new(BLOCK, secret), |table, block| Block::weld(block, positions, table))
-                .collect();
-            for block in &blocks {
-                let numbers = table.vertices_at(&block.positions);
-                faces.extend(block.faces.iter().map(|face| face.map(|corner| numbers[corner as usize])));
-            }
+        let mut batches = triangles[range(&body.faces)].chunks_mut(BLOCK * AT_ONCE);
+        let mut ready = batches.next().map(|batch| (weld(batch), batch));
+        while let Some((vertices, batch)) = ready {
+            let next = batches.next();
+            // All vertices are looked up in turn; other threads go on meanwhile.
+            let (welded, numbers) = rayon::join(
+                || next.map(|batch| (weld(batch), batch)),
+                || vertices.iter().map(|positions| table.vertices_at(positions)).collect::<Vec<_>>(),
+            );
+            let blocks = batch.par_chunks_mut(BLOCK).zip(&numbers);
+            blocks.for_each(|(block, numbers)| {
+                block.as_flattened_mut().iter_mut().for_each(|corner| *corner = numbers[*corner as usize]);
+            });
+            ready = welded;
         }
     }
-    faces
 }
 
-/// Faces welded for themselves.
-struct Block<P> {
-    positions: Vec<P>,
-    faces: Vec<[u32; 3]>,
-}
-
-impl<P: Position> Block<P> {
-    fn weld(triangles: &[[u32; 3]], positions: &[P], table: &mut VertexTable<P>) -> Self {
-        table.clear();
-        let mut corners = [P::ORIGIN; TOGETHER];
-        let mut faces = Vec::with_capacity(triangles.len());
-        let mut vertices = [0; TOGETHER];
-        for some in triangles.chunks(TOGETHER / 3) {
-            let count = 3 * some.len();
-            for (position, &corner) in corners.iter_mut().zip(some.as_flattened()) {
-                *position = positions[corner as usize].canonical();
-            }
-            table.find_all(&corners[..count], &mut vertices[..count]);
-            faces.extend_from_slice(vertices[..count].as_chunks().0);
+/// Welds faces for themselves: their corners become numbers of the positions returned.
+fn weld_block<P: Position>(block: &mut [[u32; 3]], positions: &[P], table: &mut VertexTable<P>) -> Vec<P> {
+    table.clear();
+    let mut corners = [P::ORIGIN; TOGETHER];
+    for vertices in block.as_flattened_mut().chunks_mut(TOGETHER) {
+        for (position, &corner) in corners.iter_mut().zip(vertices.iter()) {
+            *position = positions[corner as usize].canonical();
         }
-        Block { positions: table.positions().to_vec(), faces }
+        table.find_all(&corners[..vertices.len()], vertices);
     }
+    table.positions().to_vec()
 }
 
 fn range(faces: &Range<u32>) -> Range<usize> {
@@ -157,21 +146,26 @@ fn range(faces: &Range<u32>) -> Range<usize> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::soup::Group;
+    use crate::soup::Soup;
 
     pub(in crate::mesh) fn soup_of(points: &[[f64; 3]]) -> Soup {
         let triangles = (0..points.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
         Soup::new(Positions::F64(points.to_vec()), triangles)
     }
 
+    /// Welds the faces of a soup.
+    pub(in crate::mesh) fn weld(soup: &Soup) -> Welded {
+        weld_exact(Faces { triangles: soup.triangles.clone(), bodies: &soup.bodies }, &soup.positions)
+    }
+
     #[test]
     fn negative_zero_is_zero() {
         let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 0.0, -0.0], [1.0, -0.0, 0.0], [0.0, 0.0, 1.0]];
-        let welded = weld_exact(&soup_of(&points));
+        let welded = weld(&soup_of(&points));
         assert_eq!(welded.faces, [[0, 1, 2], [0, 1, 3]]);
         assert!(welded.positions.iter().all(|p| p.to_array().iter().all(|c| c.is_sign_positive())));
         let narrow = points.map(|p| p.map(|c| c as f32));
-        let narrow = weld_exact(&Soup { positions: Positions::F32(narrow.to_vec()), ..soup_of(&points) });
+        let narrow = weld(&Soup { positions: Positions::F32(narrow.to_vec()), ..soup_of(&points) });
         assert_eq!((narrow.faces, narrow.positions), (welded.faces, welded.positions));
     }
 
@@ -179,15 +173,15 @@ pub(super) mod tests {
     fn bodies_stay_apart_however_often_the_table_grows() {
         let mut soup = soup_of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].repeat(500));
         soup.bodies = (0..500).map(|f| Group { name: String::new(), faces: f..f + 1 }).collect();
-        assert_eq!(weld_exact(&soup).positions.len(), 1500);
+        assert_eq!(weld(&soup).positions.len(), 1500);
         soup.bodies = vec![Group { name: String::new(), faces: 0..500 }];
-        assert_eq!(weld_exact(&soup).positions.len(), 3);
+        assert_eq!(weld(&soup).positions.len(), 3);
         // The same as faces that share three positions.
         let shared = Soup { positions: Positions::F64(vec![[0.0; 3], [1.0; 3], [2.0; 3]]), ..soup };
         let mut shared = Soup { triangles: vec![[2, 0, 1]; 500], ..shared };
-        assert_eq!(weld_exact(&shared).faces, [[0, 1, 2]; 500]);
+        assert_eq!(weld(&shared).faces, [[0, 1, 2]; 500]);
         shared.bodies = (0..500).map(|f| Group { name: String::new(), faces: f..f + 1 }).collect();
-        assert_eq!(weld_exact(&shared).faces[499], [1497, 1498, 1499]);
+        assert_eq!(weld(&shared).faces[499], [1497, 1498, 1499]);
     }
 
     /// Blocks, threads and sharing change nothing: vertices are numbered by first use in face order.
@@ -206,7 +200,7 @@ pub(super) mod tests {
         let half = soup.face_count() as u32 / 2;
         let group = |faces| Group { name: String::new(), faces };
         soup.bodies = vec![group(0..half), group(half..soup.face_count() as u32)];
-        let welded = weld_exact(&soup);
+        let welded = weld(&soup);
         let mut seen = std::collections::HashMap::new();
         let mut expected = Vec::new();
         for (f, triangle) in soup.triangles.iter().enumerate() {
@@ -219,7 +213,7 @@ pub(super) mod tests {
         assert_eq!(welded.faces, expected);
         assert_eq!(welded.positions.len(), seen.len());
         let mut table = VertexTable::new(10, 0);
-        let faces = Faces { triangles: &soup.triangles, bodies: &soup.bodies };
-        assert_eq!(weld_shared(faces, &points, &mut table), expected);
+        weld_shared(&mut soup.triangles, &soup.bodies, &points, &mut table);
+        assert_eq!(soup.triangles, expected);
     }
 }

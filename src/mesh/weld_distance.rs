@@ -121,8 +121,7 @@ fn half_of_the_neighbours() -> impl Iterator<Item = [i64; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::weld::tests::soup_of;
-    use super::super::weld::weld_exact;
+    use super::super::weld::tests::{soup_of, weld};
     use super::*;
 
     #[test]
@@ -135,10 +134,10 @@ mod tests {
             [1.0, 0.0, 0.018],
             [1.0, 0.0, 0.009],
         ]);
-        let welded = weld_distance(weld_exact(&soup), &soup.bodies, 0.01);
+        let welded = weld_distance(weld(&soup), &soup.bodies, 0.01);
         assert_eq!(welded.faces, [[0, 1, 2], [0, 1, 1]]);
         assert_eq!(welded.merged_by_distance, 3);
-        let apart = weld_distance(weld_exact(&soup), &soup.bodies, 0.008);
+        let apart = weld_distance(weld(&soup), &soup.bodies, 0.008);
         assert_eq!(apart.merged_by_distance, 0);
     }
 }

@@ -3,13 +3,13 @@
 use super::accessor::Raw;
 use super::vertices::{Owners, Vertices};
 use crate::annotation::{Annotation, ColorCarrier, Layout};
-use crate::color::{NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
+use crate::color::{ColorScale, NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
 use crate::error::Error;
 use crate::io::blocks::in_blocks;
 use crate::mesh::{Face, HalfEdge};
 use crate::numbers::Numbers;
 use crate::progress::Progress;
-use crate::quantity::Quantity;
+use crate::quantity::{self, Quantity};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::io::{self, Write};
@@ -92,10 +92,12 @@ impl Stream<'_> {
             Stream::Corners { faces } => {
                 let remainder = annotation.translation_remainder();
                 in_blocks(faces.len(), out, progress, |block, bytes| {
-                    for f in block {
-                        for p in annotation.finite_triangle(Face(faces.at(f))) {
-                            extend(bytes, stored_point(annotation, remainder, p));
-                        }
+                    bytes.resize(36 * block.len(), 0);
+                    let (words, _) = bytes.as_chunks_mut::<4>();
+                    for (words, f) in words.as_chunks_mut::<9>().0.iter_mut().zip(block) {
+                        let corners = annotation.finite_triangle(Face(faces.at(f)));
+                        let stored = corners.map(|p| stored_point(annotation, remainder, p));
+                        words.iter_mut().zip(stored.as_flattened()).for_each(|(word, c)| *word = c.to_le_bytes());
                     }
                 })
             }
@@ -153,7 +155,7 @@ impl Stream<'_> {
                 let at = |corner: Option<HalfEdge>| {
                     let vertex = corner.map(|corner| annotation.mesh.topology().origin(corner));
                     let value = vertex.and_then(|vertex| values.map(|values| values[vertex.index()]));
-                    finite_value(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
+                    quantity::finite(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
                 };
                 in_blocks(owners.len(), out, progress, |block, bytes| {
                     for v in block {
@@ -162,14 +164,10 @@ impl Stream<'_> {
                 })
             }
             Stream::PaletteCoordinate { owners, u, v } => {
-                // The middle of a texel: right for any filter and however a client rounds.
-                let along = |scale: usize, face: Option<Face>| match (annotation.colors.get(scale), face) {
-                    (Some(colors), Some(face)) => texel(colors.color_index(&annotation.values[face.index()])),
-                    _ => texel(NOT_ESTIMATED_INDEX),
-                };
+                let along = |scale: usize, face| texel_of(annotation.colors.get(scale), annotation, face);
                 per_element(owners, out, progress, |face| {
                     let [a, b, c, d] = along(*u, face).to_le_bytes();
-                    let [e, f, g, h] = v.map_or(0.5, |v| along(v, face)).to_le_bytes();
+                    let [e, f, g, h] = v.map_or(texel(None), |v| along(v, face)).to_le_bytes();
                     [a, b, c, d, e, f, g, h]
                 })
             }
@@ -206,13 +204,18 @@ pub(super) fn stored_value<'v>(
     }
 }
 
-/// A value as binary files carry it.
-fn finite_value(value: f64) -> f32 {
-    if value.is_nan() { 0.0 } else { value.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
+/// The middle of a texel of a palette, or of the palette: right for any filter and however a client rounds.
+pub(super) fn texel(index: Option<usize>) -> f32 {
+    index.map_or(0.5, |index| (index as f32 + 0.5) / PALETTE as f32)
 }
 
-fn texel(index: usize) -> f32 {
-    (index as f32 + 0.5) / PALETTE as f32
+/// Where in a colour scale's palette a face's colour is.
+#[inline]
+pub(super) fn texel_of(colors: Option<&ColorScale>, annotation: &Annotation<'_>, face: Option<Face>) -> f32 {
+    texel(Some(match (colors, face) {
+        (Some(colors), Some(face)) => colors.color_index(&annotation.values[face.index()]),
+        _ => NOT_ESTIMATED_INDEX,
+    }))
 }
 
 /// Writes `N` bytes for each element, worked out once for each face where faces have their own vertices.
@@ -280,6 +283,11 @@ pub(super) fn stored_points_bounds(annotation: &Annotation<'_>, vertices: &Numbe
 
 /// Least and greatest coordinates of the corners as they are stored.
 pub(super) fn stored_bounds(annotation: &Annotation<'_>, faces: &Numbers) -> Bounds {
+    let is_finite = annotation.mesh.report().non_finite_faces == 0;
+    if is_finite && *faces == Numbers::Run(0..annotation.values.len() as u32) {
+        // Every vertex is that of some face.
+        return stored_points_bounds(annotation, &annotation.vertices());
+    }
     let remainder = annotation.translation_remainder();
     (0..faces.len() as u32)
         .into_par_iter()

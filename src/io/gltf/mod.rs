@@ -10,6 +10,7 @@
 
 mod accessor;
 mod buffers;
+mod columns;
 mod container;
 mod cull;
 mod document;

@@ -5,6 +5,7 @@
 //! not come from glTF has three vertices of its own for each face, no normals and no indices.
 
 use super::accessor::Accessors;
+use super::columns::Columns;
 use super::document::{Document, build, prepare};
 use super::draft::{Packed, Piece};
 use super::layout::check_glb_length;
@@ -208,13 +209,16 @@ impl Packed<'_> {
     ) -> io::Result<()> {
         let Some(pieces) = self.buffers.get(buffer) else { return Ok(()) };
         let mut written: u64 = 0;
-        for piece in &self.pieces[pieces.clone()] {
+        let mut columns = Columns::default();
+        for (at, piece) in pieces.clone().zip(&self.pieces[pieces.clone()]) {
             let gap = written.next_multiple_of(super::draft::ALIGNMENT) - written;
             out.write_all(&[0; super::draft::ALIGNMENT as usize][..gap as usize])?;
             match piece {
                 Piece::Given(bytes) => out.write_all(bytes)?,
                 Piece::Bytes(bytes) => out.write_all(bytes)?,
-                Piece::Stream(stream) => stream.write(annotation, out, progress)?,
+                Piece::Stream(stream) => columns
+                    .write(&self.pieces[at..pieces.end], annotation, out, progress)
+                    .unwrap_or_else(|| stream.write(annotation, out, progress))?,
             }
             written += gap + piece.len();
         }
