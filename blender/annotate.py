@@ -7,6 +7,7 @@ import bpy
 
 from . import settings, wheel
 from .estimate import Cancelled, Refused, clear, collect
+from .objects import selected_meshes
 from .work import Work
 
 
@@ -111,7 +112,7 @@ class OSCULATE_OT_clear(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        meshes = {obj.data for obj in context.selected_objects if obj.type == "MESH" and obj.mode != "EDIT"}
+        meshes = {obj.data for obj in selected_meshes(context)}
         count = sum(clear(mesh) for mesh in meshes)
         if not count:
             self.report({"ERROR"}, "None of the selected objects has values that could be removed.")
@@ -132,14 +133,4 @@ class OSCULATE_OT_reset(bpy.types.Operator):
         return {"FINISHED"}
 
 
-_CLASSES = (OSCULATE_OT_annotate, OSCULATE_OT_clear, OSCULATE_OT_reset)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((OSCULATE_OT_annotate, OSCULATE_OT_clear, OSCULATE_OT_reset))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """From objects to attributes, in three steps: `collect` and `write` on Blender's thread, `run` on any."""
 
+import re
 import warnings
 
 import numpy as np
@@ -38,11 +39,8 @@ class Job:
 
     def run(self, settings, progress):
         """Estimates. Needs nothing of Blender; `progress(stage, done, total)` may raise."""
-        with warnings.catch_warnings():
-            # Defects are told when the work is done.
-            warnings.simplefilter("ignore")
-            curvature = wheel.osculate().annotate(
-                self.triangles.vertices, self.triangles.corners, progress=progress, **settings)
+        curvature = wheel.osculate().annotate(
+            self.triangles.vertices, self.triangles.corners, progress=progress, **settings)
         self.columns = self.triangles.of_faces(columns_of(curvature, curvature.attributes))
         self.settings, self.defects = curvature.settings, curvature.defects
 
@@ -107,6 +105,7 @@ def collect(context, objects, use_modifiers):
     """A job for each mesh among the objects, and a sentence for each object that has none.
 
     Raises Refused where there is nothing to do."""
+    _leave_defects_to_us()
     depsgraph = context.evaluated_depsgraph_get() if use_modifiers else None
     jobs, skipped, seen = [], [], set()
     for obj in objects:
@@ -123,6 +122,12 @@ def collect(context, objects, use_modifiers):
     if not jobs:
         raise Refused(" ".join(skipped) or "Select one or more mesh objects first.")
     return jobs, skipped
+
+
+def _leave_defects_to_us():
+    """Defects are told when the work is done, not as warnings of Python. Filters are the whole process's: this one is
+    set on Blender's thread, stays, and is for warnings that name this module alone."""
+    warnings.filterwarnings("ignore", category=wheel.osculate().DefectWarning, module=re.escape(__name__) + r"\Z")
 
 
 def _reason_against(obj):

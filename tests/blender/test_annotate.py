@@ -7,17 +7,13 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, corners, empty, load, main, names, obj_of, only,
-                     osculate, points, quiet, select, table, values, write_ply)
+from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, corners, load, main, names, obj_of, only, osculate,
+                     points, quiet, select, settings, table, values, write_ply)
 
 import bpy
 import numpy as np
 
 REQUIRED = ("k_max", "k_min", "mean", "gauss", "dir_max", "dir_min", "radius", "coverage", "confidence")
-
-
-def settings():
-    return bpy.context.scene.osculate
 
 
 def mesh_object(vertices, faces, name="given", edges=()):
@@ -43,15 +39,6 @@ def program_on(mesh, name, *options):
     """The table of the program for the triangles of a mesh, and the face of each."""
     found, faces = triangles_of(mesh)
     return table(write_ply(FOLDER / f"{name}.ply", points(mesh), found), "--up", "z", *options), faces
-
-
-class Fresh(Case):
-    def setUp(self):
-        with quiet():
-            bpy.ops.wm.read_homefile(app_template="", use_empty=True)
-        if MODULE not in bpy.context.preferences.addons:
-            bpy.ops.preferences.addon_enable(module=MODULE)
-        empty()
 
 
 class Values(Fresh):

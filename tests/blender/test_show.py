@@ -6,8 +6,8 @@ import struct
 import unittest
 from pathlib import Path
 
-from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, empty, load, main, obj_of, only, osculate, quiet,
-                     select, table, values)
+from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, load, main, obj_of, only, osculate, quiet, select,
+                     settings, table, values)
 
 import bpy
 import numpy as np
@@ -17,18 +17,7 @@ PICTURES = os.environ.get("OSCULATE_PICTURES")
 DEFAULT = ("k_max", "k_min", "mean", "gauss", "dir_max", "coverage", "confidence")
 
 
-def settings():
-    return bpy.context.scene.osculate
-
-
-class Fresh(Case):
-    def setUp(self):
-        with quiet():
-            bpy.ops.wm.read_homefile(app_template="", use_empty=True)
-        if MODULE not in bpy.context.preferences.addons:
-            bpy.ops.preferences.addon_enable(module=MODULE)
-        empty()
-
+class OnSuzanne(Fresh):
     def suzanne(self):
         path = annotated(FIXTURES / "suzanne.stl", "plain.glb", "--layout", "indexed", "--attributes", "all")
         mesh = only(load(path)[0])
@@ -36,7 +25,7 @@ class Fresh(Case):
         return mesh
 
 
-class Show(Fresh):
+class Show(OnSuzanne):
     def test_the_range_is_that_of_the_program(self):
         mesh = self.suzanne()
         for token in ("mean", "gauss", "k_max", "k_min", "curvedness", "shape_index"):
@@ -220,7 +209,7 @@ def render(camera, path, width, height, samples=1):
     return np.rint(255 * pixels.reshape(height, width, 4)[:, :, :3]).astype(int)
 
 
-class Select(Fresh):
+class Select(OnSuzanne):
     def selected(self, mesh):
         found = np.empty(len(mesh.polygons), bool)
         mesh.polygons.foreach_get("select", found)
@@ -270,7 +259,7 @@ class Select(Fresh):
         self.assertIn("active object", call(bpy.ops.osculate.select)[1])
 
 
-class Export(Fresh):
+class Export(OnSuzanne):
     def exported(self, **options):
         path = FOLDER / "exported.glb"
         with quiet() as said:
