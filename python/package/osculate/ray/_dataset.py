@@ -34,8 +34,10 @@ if TYPE_CHECKING:
 
 PathLike = Union[str, "os.PathLike[str]"]
 
-# A task ends when it has files of so many bytes, however few they are.
-_TASK_BYTES = 64 << 20
+# A task ends when it has files of so many bytes, however few they are. Ray Data takes about a tenth of a second from a
+# task's end to the next one's start, in which a worker has nothing to do, so that tasks should take seconds; at the end
+# of a run smaller ones have all workers end at about the same time.
+_MOST_TASK_BYTES, _LEAST_TASK_BYTES = 128 << 20, 8 << 20
 _logger = logging.getLogger("osculate.ray")
 
 
@@ -47,7 +49,7 @@ def annotate_dataset(
     filesystem: Any = None,
     out_filesystem: Any = None,
     storage_options: dict[str, Any] | None = None,
-    files_per_task: int = 32,
+    files_per_task: int = 128,
     retries: int = 2,
     concurrency: int | None = None,
     ray_options: dict[str, Any] | None = None,
@@ -119,8 +121,9 @@ def annotate_dataset(
         log.add(done)
         skipped, left = _split(found.jobs, work, before)
         done += skipped
-        tasks = [work.task(number, jobs) for number, jobs in enumerate(_tasks(left, files_per_task))]
         options = {"num_cpus": int(str(given["threads"])), "concurrency": concurrency, **(ray_options or {})}
+        parts = _tasks(left, files_per_task, _workers(options) if left else 1)
+        tasks = [work.task(number, jobs) for number, jobs in enumerate(parts)]
         done += _run(work, tasks, log, options)
         _remove_unfinished(target, folder, found.jobs)
         marks.clear()
@@ -164,14 +167,31 @@ def _marks(target: Store, folder: str) -> Marks:
     return Marks(target, posixpath.join(folder, MARKS))
 
 
-def _tasks(jobs: Iterable[Job], most: int) -> Iterator[list[Job]]:
-    """The jobs of each task. Large files come first, so that all workers end at about the same time."""
+def _workers(options: dict[str, Any]) -> int:
+    """How many tasks can be done at a time."""
+    if not ray.is_initialized():
+        ray.init()
+    processors = ray.cluster_resources().get("CPU", 1.0) / max(options["num_cpus"] or 0, 1)
+    concurrency = options["concurrency"]
+    return max(int(min(processors, concurrency) if isinstance(concurrency, int) else processors), 1)
+
+
+def _tasks(jobs: Iterable[Job], most: int, workers: int) -> Iterator[list[Job]]:
+    """The jobs of each task, at most so many. Large files come first, and tasks become smaller towards the end: each is
+    half of a worker's share of what is left."""
+    by_size = sorted(jobs, key=lambda job: -job.bytes)
+    left = sum(job.bytes for job in by_size)
+    least = min(left // workers, _LEAST_TASK_BYTES)
     task: list[Job] = []
     size = 0
-    for job in sorted(jobs, key=lambda job: -job.bytes):
-        if task and (len(task) == most or size + job.bytes > _TASK_BYTES):
+    room = 0
+    for job in by_size:
+        if task and (len(task) == most or size + job.bytes > room):
             yield task
+            left -= size
             task, size = [], 0
+        if not task:
+            room = min(max(left // (2 * workers), least), _MOST_TASK_BYTES)
         task.append(job)
         size += job.bytes
     if task:
