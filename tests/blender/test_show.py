@@ -6,8 +6,8 @@ import struct
 import unittest
 from pathlib import Path
 
-from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, load, main, obj_of, only, osculate, quiet, select,
-                     settings, table, values)
+from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, load, main, obj_of, only, osculate, points,
+                     quiet, select, settings, table, values)
 
 import bpy
 import numpy as np
@@ -276,6 +276,18 @@ class Export(OnSuzanne):
         for name in first:
             np.testing.assert_array_equal(np.nan_to_num(again[name]), np.nan_to_num(first[name]), name)
 
+    def test_edges_come_back_as_they_were(self):
+        for name in ("suzanne.stl", "fillet_part.stl", "cylinder_holes.stl"):
+            with self.subTest(name):
+                given = annotated(FIXTURES / name, f"{name}-edges.glb", "--layout", "indexed", "--feature-angle", "25")
+                first = edges_of(only(load(given)[0]))
+                again = edges_of(only(load(self.exported())[0]))
+                self.assertEqual(again.keys(), first.keys())
+                self.assertGreater(len({kind for kind, _ in first.values()}), 1)
+                for place, (kind, angle) in first.items():
+                    self.assertEqual(again[place][0], kind)
+                    self.assertAlmostEqual(again[place][1], angle, delta=0.05)
+
     def test_all_attributes_are_numbers_and_ours_only_unless_asked(self):
         mesh = self.suzanne()
         mesh.attributes.new("_OTHER", "FLOAT", "POINT")
@@ -325,6 +337,13 @@ class Export(OnSuzanne):
         bpy.ops.mesh.primitive_monkey_add()
         document = document_of(self.exported())
         self.assertNotIn("extras", document["meshes"][0])
+
+
+def edges_of(mesh):
+    """Kind and angle of every edge, by where it lies."""
+    at = points(mesh)
+    ends = [tuple(sorted(tuple(at[vertex]) for vertex in edge.vertices)) for edge in mesh.edges]
+    return dict(zip(ends, zip(values(mesh, "_EDGE_KIND", "EDGE").tolist(), values(mesh, "_DIHEDRAL", "EDGE").tolist())))
 
 
 def parts_of(path):

@@ -93,4 +93,5 @@ class Lease:
 
     def _is_ours(self) -> bool:
         found = self._read()
-        return found is not None and self._run.encode() in found
+        # One that is gone was nobody's to take; the next beat puts it back.
+        return found is None or self._run.encode() in found
