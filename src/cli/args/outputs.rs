@@ -9,11 +9,11 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub(in crate::cli) struct OutputsArgs {
     /// File to write; its extension chooses the format: .glb, .gltf, .ply, .csv or .npz. - for standard output
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Output", display_order = 0)]
     pub(in crate::cli) output: PathBuf,
 
     /// Output format, where the extension does not tell
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, help_heading = "Output", display_order = 0)]
     pub(in crate::cli) format: Option<FormatArg>,
 
     /// Also write a picture of the colour scales (.png or .svg)
