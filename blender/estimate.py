@@ -27,6 +27,8 @@ class Job:
         self.is_evaluated = depsgraph is not None
         self.triangles = self._read(obj, depsgraph)
         self.columns, self.settings, self.defects = None, None, []
+        #: Why there is nothing to write, where there is not.
+        self.refusal = None
 
     def _read(self, obj, depsgraph):
         if depsgraph is None:
@@ -39,14 +41,22 @@ class Job:
 
     def run(self, settings, progress):
         """Estimates. Needs nothing of Blender; `progress(stage, done, total)` may raise."""
-        curvature = wheel.osculate().annotate(
-            self.triangles.vertices, self.triangles.corners, progress=progress, **settings)
+        osculate = wheel.osculate()
+        try:
+            curvature = osculate.annotate(
+                self.triangles.vertices, self.triangles.corners, progress=progress, **settings)
+        except osculate.EmptyMeshError as error:
+            # No reason to leave out the other objects.
+            self.refusal = f"\"{self.object_name}\": {error}, so there is nothing to estimate."
+            return
         self.columns = self.triangles.of_faces(columns_of(curvature, curvature.attributes))
         self.settings, self.defects = curvature.settings, curvature.defects
 
     def write(self, context, feature_angle, mark_sharp):
         """Puts the values on the mesh, or on a new object where modifiers change faces. Returns a sentence."""
         import bpy
+        if self.refusal is not None:
+            raise Refused(self.refusal)
         obj = bpy.data.objects.get(self.object_name)
         depsgraph = context.evaluated_depsgraph_get() if self.is_evaluated else None
         if obj is None or obj.type != "MESH" or obj.mode == "EDIT" or not self._read(obj, depsgraph).is_same(
