@@ -307,7 +307,8 @@ pub fn annotate(
     };
     let estimate = start.elapsed();
 
-    let annotated = Annotated { mesh: &mesh, values: &values, source: input, files: &files, format: Some(input_format) };
+    let annotated =
+        Annotated { mesh: &mesh, values: &values, source: input, files: &files, format: Some(input_format) };
     let written = annotated.write_with(outputs, besides, provenance, progress)?;
     notes.extend(written.notes);
     let write = start.elapsed();

@@ -98,7 +98,8 @@ impl Annotated<'_> {
         let mut options = options.clone();
         if !is_there() {
             if is_used {
-                let what = "the values are without gauss_perimeter; name it among the --attributes when they are estimated";
+                let what =
+                    "the values are without gauss_perimeter; name it among the --attributes when they are estimated";
                 return Err(Error::Usage(what.into()));
             }
             options.selection = options.selection.without(quantity);

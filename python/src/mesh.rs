@@ -144,8 +144,7 @@ impl Mesh {
         let used: Value = serde_json::from_str(used).map_err(|e| PyValueError::new_err(e.to_string()))?;
         let call = Write::parse(&output, &settings, values.selection()).map_err(|e| errors::raise(py, &e))?;
         let Origin { path, files, format } = &self.origin;
-        let annotated =
-            Annotated { mesh: &self.mesh, values: values.values(), source: path, files, format: *format };
+        let annotated = Annotated { mesh: &self.mesh, values: values.values(), source: path, files, format: *format };
         json(&work::run(py, call.threads, progress.as_ref(), |progress| call.run(&annotated, &used, progress))?)
     }
 

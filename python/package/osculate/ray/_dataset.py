@@ -34,10 +34,12 @@ if TYPE_CHECKING:
 
 PathLike = Union[str, "os.PathLike[str]"]
 
-# A task ends when it has files of so many bytes, however few they are. Ray Data takes about a tenth of a second from a
-# task's end to the next one's start, in which a worker has nothing to do, so that tasks should take seconds; at the end
-# of a run smaller ones have all workers end at about the same time.
-_MOST_TASK_BYTES, _LEAST_TASK_BYTES = 128 << 20, 8 << 20
+# A task ends when it has files of so many bytes, however few they are. From a task's end to the next one's start Ray
+# Data, which looks ten times a second, takes 0.12 to 0.2 seconds, in which a worker has nothing to do, so that tasks
+# should take seconds; at the end of a run smaller ones have all workers end at about the same time.
+_MOST_TASK_BYTES, _LEAST_TASK_BYTES = 256 << 20, 8 << 20
+# Files that travel with their task, and outputs with its records, are in memory all at once.
+_MOST_TRAVELLING_BYTES = 32 << 20
 _logger = logging.getLogger("osculate.ray")
 
 
@@ -49,7 +51,7 @@ def annotate_dataset(
     filesystem: Any = None,
     out_filesystem: Any = None,
     storage_options: dict[str, Any] | None = None,
-    files_per_task: int = 128,
+    files_per_task: int = 256,
     retries: int = 2,
     concurrency: int | None = None,
     ray_options: dict[str, Any] | None = None,
@@ -122,7 +124,8 @@ def annotate_dataset(
         skipped, left = _split(found.jobs, work, before)
         done += skipped
         options = {"num_cpus": int(str(given["threads"])), "concurrency": concurrency, **(ray_options or {})}
-        parts = _tasks(left, files_per_task, _workers(options) if left else 1)
+        most_bytes = _MOST_TRAVELLING_BYTES if source.is_private or target.is_private else _MOST_TASK_BYTES
+        parts = _tasks(left, files_per_task, most_bytes, _workers(options) if left else 1)
         tasks = [work.task(number, jobs) for number, jobs in enumerate(parts)]
         done += _run(work, tasks, log, options)
         _remove_unfinished(target, folder, found.jobs)
@@ -176,24 +179,24 @@ def _workers(options: dict[str, Any]) -> int:
     return max(int(min(processors, concurrency) if isinstance(concurrency, int) else processors), 1)
 
 
-def _tasks(jobs: Iterable[Job], most: int, workers: int) -> Iterator[list[Job]]:
-    """The jobs of each task, at most so many. Large files come first, and tasks become smaller towards the end: each is
-    half of a worker's share of what is left."""
-    by_size = sorted(jobs, key=lambda job: -job.bytes)
-    left = sum(job.bytes for job in by_size)
+def _tasks(jobs: Iterable[Job], most: int, most_bytes: int, workers: int) -> Iterator[list[Job]]:
+    """The jobs of each task, at most so many and of so many bytes. Large files come first, and tasks become smaller
+    towards the end: each is two thirds of a worker's share of what is left."""
+    # Where a file system does not tell sizes, all count alike.
+    sized = sorted(((max(job.bytes, 1), job) for job in jobs), key=lambda pair: -pair[0])
+    left = sum(size for size, _ in sized)
     least = min(left // workers, _LEAST_TASK_BYTES)
     task: list[Job] = []
-    size = 0
-    room = 0
-    for job in by_size:
-        if task and (len(task) == most or size + job.bytes > room):
+    taken, room = 0, 0
+    for size, job in sized:
+        if task and (len(task) == most or taken + size > room):
             yield task
-            left -= size
-            task, size = [], 0
+            left -= taken
+            task, taken = [], 0
         if not task:
-            room = min(max(left // (2 * workers), least), _MOST_TASK_BYTES)
+            room = min(max(2 * left // (3 * workers), least), most_bytes)
         task.append(job)
-        size += job.bytes
+        taken += size
     if task:
         yield task
 
