@@ -85,14 +85,17 @@ class OSCULATE_OT_annotate(bpy.types.Operator):
         if error is not None:
             self.report({"ERROR"}, str(error) or type(error).__name__)
             return {"CANCELLED"}
-        said = []
+        said, refused = [], []
         for job in self._work.jobs:
             try:
                 said.append(job.write(context, self._angle, self._mark_sharp))
                 for defect in job.defects:
                     self.report({"WARNING"}, f"\"{job.object_name}\": {defect}")
             except Refused as reason:
-                self.report({"ERROR"}, str(reason))
+                refused.append(str(reason))
+        for reason in refused:
+            # To scripts an error is an exception, which would hide that the others are done.
+            self.report({"WARNING"} if said else {"ERROR"}, reason)
         if said:
             self.report({"INFO"}, f"{'; '.join(said)}: {time.perf_counter() - self._started:.2f} s")
         return {"FINISHED"} if said else {"CANCELLED"}

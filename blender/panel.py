@@ -95,4 +95,5 @@ def _draw_legend(layout, obj):
         row.label(text=f"{high:.4g}")
 
 
-register, unregister = bpy.utils.register_classes_factory((OSCULATE_PT_annotate, OSCULATE_PT_show, OSCULATE_PT_select))
+PANELS = (OSCULATE_PT_annotate, OSCULATE_PT_show, OSCULATE_PT_select)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

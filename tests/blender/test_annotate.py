@@ -4,6 +4,7 @@ import os
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -275,6 +276,25 @@ class Refusals(Fresh):
         self.assertEqual(values(obj.data, "_CURVATURE_CLASS").tolist(), [-1, 0])
         self.assertTrue(np.isfinite(values(obj.data, "_DIRECTION_MAX")).all())
 
+    def test_an_object_that_cannot_be_estimated_keeps_no_other_from_it(self):
+        nowhere = mesh_object([(float("nan"),) * 3] * 3, [(0, 1, 2)], "nowhere")
+        good = monkey()
+        select(nowhere, good)
+        result, said = call(bpy.ops.osculate.annotate)
+        self.assertEqual(result, {"FINISHED"}, said)
+        self.assertIn("\"nowhere\": none of the 1 faces has an area and finite coordinates", said)
+        self.assertNotIn("_CURVATURE_MEAN", nowhere.data.attributes)
+        self.assertIn("_CURVATURE_MEAN", good.data.attributes)
+
+    def test_defects_are_told_and_are_no_warnings_of_python(self):
+        select(mesh_object([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 1, 3)]))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            said = call(bpy.ops.osculate.annotate)[1]
+            warnings.warn("somebody else's")
+        self.assertIn("1 faces without area", said)
+        self.assertEqual([str(warning.message) for warning in caught], ["somebody else's"])
+
     def test_loose_edges_are_left_out_and_said(self):
         obj = mesh_object([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 2, 2)], [(0, 1, 2)], edges=[(1, 3)])
         select(obj)
@@ -351,7 +371,7 @@ class Panels(Fresh):
             for quantity in ("mean", "class"):
                 for by in ("class", "range"):
                     settings().quantity, settings().select_by = quantity, by
-                    for panel in package.panel._CLASSES:
+                    for panel in package.panel.PANELS:
                         layout = Layout()
                         # A panel cannot be made without a window; what it draws with, it can.
                         panel.draw(SimpleNamespace(layout=layout), bpy.context)
