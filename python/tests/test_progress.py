@@ -123,9 +123,13 @@ def test_an_interrupt_ends_a_file_of_a_batch(rough: Arrays, tmp_path: Path) -> N
     osculate.bridges.meshio.mesh(osculate.Mesh(*rough)).write(source)
     batch = _native.Batch([("threads", ["1"])])
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        batch.annotate(source, tmp_path / "out.glb")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            batch.annotate(source, tmp_path / "out.glb")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert [path.name for path in tmp_path.iterdir()] == ["rough.ply"]
 
 
@@ -155,6 +159,8 @@ def test_an_interrupt_ends_the_call() -> None:
         from conftest import torus
         vertices, faces = torus(900, 450)
         vertices = vertices + np.random.default_rng(1).normal(0, 0.002, vertices.shape)
+        # Started in the background, a process ignores it.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         begun, told = time.process_time(), []
         def progress(stage, done, total):
             if done and not told:
