@@ -7,6 +7,7 @@ import bpy
 
 from . import settings, wheel
 from .estimate import Cancelled, Refused, clear, collect
+from .objects import selected_meshes
 from .work import Work
 
 
@@ -84,14 +85,17 @@ class OSCULATE_OT_annotate(bpy.types.Operator):
         if error is not None:
             self.report({"ERROR"}, str(error) or type(error).__name__)
             return {"CANCELLED"}
-        said = []
+        said, refused = [], []
         for job in self._work.jobs:
             try:
                 said.append(job.write(context, self._angle, self._mark_sharp))
                 for defect in job.defects:
                     self.report({"WARNING"}, f"\"{job.object_name}\": {defect}")
             except Refused as reason:
-                self.report({"ERROR"}, str(reason))
+                refused.append(str(reason))
+        for reason in refused:
+            # To scripts an error is an exception, which would hide that the others are done.
+            self.report({"WARNING"} if said else {"ERROR"}, reason)
         if said:
             self.report({"INFO"}, f"{'; '.join(said)}: {time.perf_counter() - self._started:.2f} s")
         return {"FINISHED"} if said else {"CANCELLED"}
@@ -111,7 +115,7 @@ class OSCULATE_OT_clear(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        meshes = {obj.data for obj in context.selected_objects if obj.type == "MESH" and obj.mode != "EDIT"}
+        meshes = {obj.data for obj in selected_meshes(context)}
         count = sum(clear(mesh) for mesh in meshes)
         if not count:
             self.report({"ERROR"}, "None of the selected objects has values that could be removed.")
@@ -132,14 +136,4 @@ class OSCULATE_OT_reset(bpy.types.Operator):
         return {"FINISHED"}
 
 
-_CLASSES = (OSCULATE_OT_annotate, OSCULATE_OT_clear, OSCULATE_OT_reset)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((OSCULATE_OT_annotate, OSCULATE_OT_clear, OSCULATE_OT_reset))

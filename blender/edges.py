@@ -31,9 +31,11 @@ class _Sides:
     counted as, None where all are their own."""
 
     def __init__(self, mesh):
-        self.edge, self.face = store.corner_edges(mesh), store.corner_faces(mesh)
+        # NumPy makes indices of this width of all others, each time that they are used.
+        self.edge, self.face = store.corner_edges(mesh).astype(np.intp), store.corner_faces(mesh)
         start, ends = store.corner_vertices(mesh), store.edge_vertices(mesh)
         self.joined = None
+        self.count = np.bincount(self.edge, minlength=len(ends))
         if self._is_torn(mesh, ends):
             place = first_equal(store.positions(mesh))
             start, ends = place[start], np.sort(place[ends], axis=1)
@@ -44,13 +46,13 @@ class _Sides:
                 twice, again = repeated_triangles(start.reshape(-1, 3))
                 counted = np.repeat(~(twice | again), 3)
                 self.edge, self.face, start = self.edge[counted], self.face[counted], start[counted]
+            self.count = np.bincount(self.edge, minlength=len(ends))
         is_ahead = start == ends[:, 0][self.edge]
-        self.count = np.bincount(self.edge, minlength=len(ends))
         self.pair = self.count == 2
         # The last to be written stays, so that writing both ways gives both faces.
         self.faces = np.zeros((2, len(ends)), np.int32)
         self.faces[0][self.edge], self.faces[1][self.edge[::-1]] = self.face, self.face[::-1]
-        self.flipped = self.pair & (np.bincount(self.edge, is_ahead, len(ends)) != 1)
+        self.flipped = self.pair & (np.bincount(self.edge[is_ahead], minlength=len(ends)) != 1)
 
     def kinds_and_angles(self, normals, feature_angle):
         """Kind of each edge, and the angle between the normals of its two faces in degrees, 0 where there are not
@@ -112,7 +114,7 @@ class _Sides:
 
     def _is_torn(self, mesh, ends):
         """Vertices on the rim lie at one place."""
-        rim = np.unique(ends[np.bincount(self.edge, minlength=len(ends)) == 1])
+        rim = np.unique(ends[self.count == 1])
         places = store.positions(mesh)[rim]
         return len(rim) > 0 and not np.array_equal(first_equal(places), np.arange(len(rim)))
 

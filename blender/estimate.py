@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """From objects to attributes, in three steps: `collect` and `write` on Blender's thread, `run` on any."""
 
+import re
 import warnings
 
 import numpy as np
@@ -26,6 +27,8 @@ class Job:
         self.is_evaluated = depsgraph is not None
         self.triangles = self._read(obj, depsgraph)
         self.columns, self.settings, self.defects = None, None, []
+        #: Why there is nothing to write, where there is not.
+        self.refusal = None
 
     def _read(self, obj, depsgraph):
         if depsgraph is None:
@@ -38,17 +41,22 @@ class Job:
 
     def run(self, settings, progress):
         """Estimates. Needs nothing of Blender; `progress(stage, done, total)` may raise."""
-        with warnings.catch_warnings():
-            # Defects are told when the work is done.
-            warnings.simplefilter("ignore")
-            curvature = wheel.osculate().annotate(
+        osculate = wheel.osculate()
+        try:
+            curvature = osculate.annotate(
                 self.triangles.vertices, self.triangles.corners, progress=progress, **settings)
+        except osculate.EmptyMeshError as error:
+            # No reason to leave out the other objects.
+            self.refusal = f"\"{self.object_name}\": {error}, so there is nothing to estimate."
+            return
         self.columns = self.triangles.of_faces(columns_of(curvature, curvature.attributes))
         self.settings, self.defects = curvature.settings, curvature.defects
 
     def write(self, context, feature_angle, mark_sharp):
         """Puts the values on the mesh, or on a new object where modifiers change faces. Returns a sentence."""
         import bpy
+        if self.refusal is not None:
+            raise Refused(self.refusal)
         obj = bpy.data.objects.get(self.object_name)
         depsgraph = context.evaluated_depsgraph_get() if self.is_evaluated else None
         if obj is None or obj.type != "MESH" or obj.mode == "EDIT" or not self._read(obj, depsgraph).is_same(
@@ -107,6 +115,7 @@ def collect(context, objects, use_modifiers):
     """A job for each mesh among the objects, and a sentence for each object that has none.
 
     Raises Refused where there is nothing to do."""
+    _leave_defects_to_us()
     depsgraph = context.evaluated_depsgraph_get() if use_modifiers else None
     jobs, skipped, seen = [], [], set()
     for obj in objects:
@@ -123,6 +132,12 @@ def collect(context, objects, use_modifiers):
     if not jobs:
         raise Refused(" ".join(skipped) or "Select one or more mesh objects first.")
     return jobs, skipped
+
+
+def _leave_defects_to_us():
+    """Defects are told when the work is done, not as warnings of Python. Filters are the whole process's: this one is
+    set on Blender's thread, stays, and is for warnings that name this module alone."""
+    warnings.filterwarnings("ignore", category=wheel.osculate().DefectWarning, module=re.escape(__name__) + r"\Z")
 
 
 def _reason_against(obj):

@@ -90,16 +90,16 @@ class Reading:
         if not any(primitive.values for primitive in self.primitives):
             return
         kept = survivors(self.gltf, mesh, self.primitives)
+        dropped = sum(primitive.face_count for primitive in self.primitives) - len(kept)
         for quantity in QUANTITIES:
             if any(primitive.quantity(quantity) is not None for primitive in self.primitives):
-                rows = np.concatenate([primitive.rows(quantity) for primitive in self.primitives if primitive.face_count])
-                store.put(mesh, quantity.attribute, quantity.type, "FACE", rows[kept])
+                rows = _joined([primitive.rows(quantity) for primitive in self.primitives if primitive.face_count])
+                store.put(mesh, quantity.attribute, quantity.type, "FACE", rows[kept] if dropped else rows)
         for name in self.looks:
             self._write_look(mesh, name, kept)
         self._write_edges(mesh, kept)
         if store.MARK not in mesh:
             mesh[store.MARK] = self.mark
-        dropped = sum(primitive.face_count for primitive in self.primitives) - len(kept)
         if dropped:
             self.gltf.log.warning(
                 f"Osculate: mesh \"{mesh.name}\": Blender left out {dropped} faces that repeat a vertex or another "
@@ -153,8 +153,13 @@ class Reading:
         if any(primitive.edges is not None for primitive in self.primitives):
             known = np.zeros(len(mesh.edges), np.int32)
             if any(primitive.edges for primitive in self.primitives):
-                sides = [primitive.edge_kinds() for primitive in self.primitives if primitive.face_count]
-                sides = np.concatenate(sides).reshape(-1, 3)[kept].reshape(-1)
+                sides = _joined([primitive.edge_kinds() for primitive in self.primitives if primitive.face_count])
+                sides = sides.reshape(-1, 3)[kept].reshape(-1)
                 np.maximum.at(known, store.corner_edges(mesh)[sides > 0], sides[sides > 0])
         kinds = edges.write(mesh, angle, known)
         edges.mark_sharp(mesh, kinds)
+
+
+def _joined(parts):
+    """One array of all; most meshes have one primitive, whose array it is."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)

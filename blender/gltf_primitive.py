@@ -81,7 +81,7 @@ class Primitive:
     def edge_kinds(self):
         """The kind of the edge from each corner to the next, 0 for inner ones."""
         kinds = np.zeros(self.corners.size, np.int32)
-        start, end = self.corners.reshape(-1), np.roll(self.corners, -1, axis=1).reshape(-1)
+        start, end = self.corners.reshape(-1), self.corners[:, (1, 2, 0)].reshape(-1)
         for kind, pairs in (self.edges or {}).items():
             at_end = np.zeros(int(self.corners.max(initial=-1)) + 1, bool)
             at_end[pairs] = True

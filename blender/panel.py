@@ -95,14 +95,5 @@ def _draw_legend(layout, obj):
         row.label(text=f"{high:.4g}")
 
 
-_CLASSES = (OSCULATE_PT_annotate, OSCULATE_PT_show, OSCULATE_PT_select)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+PANELS = (OSCULATE_PT_annotate, OSCULATE_PT_show, OSCULATE_PT_select)
+register, unregister = bpy.utils.register_classes_factory(PANELS)

@@ -35,9 +35,4 @@ def draw(context, layout, name):
             body.prop(found, name)
 
 
-def register():
-    bpy.utils.register_class(OsculatePreferences)
-
-
-def unregister():
-    bpy.utils.unregister_class(OsculatePreferences)
+register, unregister = bpy.utils.register_classes_factory((OsculatePreferences,))

@@ -70,9 +70,4 @@ def select_faces(mesh, wanted, extend=False):
     mesh.update()
 
 
-def register():
-    bpy.utils.register_class(OSCULATE_OT_select)
-
-
-def unregister():
-    bpy.utils.unregister_class(OSCULATE_OT_select)
+register, unregister = bpy.utils.register_classes_factory((OSCULATE_OT_select,))

@@ -6,6 +6,7 @@ import numpy as np
 
 from . import legend, material, wheel
 from .estimate import Refused
+from .objects import selected_meshes
 from .scale import Scale
 
 COLORS = "osculate_colors"
@@ -25,7 +26,7 @@ class OSCULATE_OT_show(bpy.types.Operator):
 
     def execute(self, context):
         group = context.scene.osculate
-        objects = [obj for obj in context.selected_objects if obj.type == "MESH" and obj.mode != "EDIT"]
+        objects = selected_meshes(context)
         try:
             if not objects:
                 raise Refused("Select one or more meshes with values, in Object Mode, first.")
@@ -59,7 +60,7 @@ class OSCULATE_OT_hide(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        objects = [obj for obj in context.selected_objects if obj.type == "MESH" and obj.mode != "EDIT"]
+        objects = selected_meshes(context)
         changed = sum(material.take_off(obj) for obj in objects)
         for mesh in {obj.data for obj in objects}:
             colors = mesh.attributes.get(COLORS)
@@ -93,14 +94,4 @@ def _show_colors(context):
             area.spaces.active.shading.color_type = "VERTEX"
 
 
-_CLASSES = (OSCULATE_OT_show, OSCULATE_OT_hide)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((OSCULATE_OT_show, OSCULATE_OT_hide))

@@ -142,7 +142,7 @@ pub(crate) fn mesh(bytes: &[u8]) {
         }
     }
     let plane = Plane { point: mesh.positions()[0], normal: DVec3::new(0.6, 0.0, 0.8) };
-    for line in cut(&mesh, &plane) {
+    for line in cut(&mesh, &plane, &NoProgress) {
         assert!(line.points.len() > 1);
     }
 }

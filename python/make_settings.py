@@ -20,6 +20,7 @@ CALLS = {
     "annotate": "``osculate.annotate``",
     "estimate": "``Mesh.annotate``",
     "convert": "``osculate.convert``",
+    "write": "``Mesh.write``",
     "batch": "``osculate.ray.annotate_dataset``",
     "inspect": "``osculate.inspect``",
     "colors": "``FaceCurvature.color_scale`` and ``FaceCurvature.colors``",

@@ -1,25 +1,21 @@
 //! The main job as a list of verbs: read, weld, estimate, colour, write.
 
-use crate::annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
-use crate::color::{self, ColorScale, Colormap, Range};
+use crate::annotated::{Annotated, Besides, Outputs};
+use crate::annotation::{ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
+use crate::color::{self, Colormap, Range};
 use crate::condition::Condition;
 use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius};
-use crate::edge_lines::edge_layers;
 use crate::error::Error;
-use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions};
+use crate::io::{self, Destination, InputFormat, OutputFormat, ReadOptions};
 use crate::legend;
-use crate::mesh::{Face, Mesh, MeshOptions};
+use crate::mesh::{Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
-use crate::stored::StoredValues;
-use crate::vertex_values::VertexValues;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Settings for [`annotate`].
@@ -162,7 +158,7 @@ impl AnnotateOptions {
     }
 
     /// The quantities that colours show, the first one first, each once.
-    fn shown(&self) -> Vec<Quantity> {
+    pub(crate) fn shown(&self) -> Vec<Quantity> {
         let first = match self.variants.as_slice() {
             [] => self.color_by,
             [first, ..] => Some(self.color_by.filter(|quantity| self.variants.contains(quantity)).unwrap_or(*first)),
@@ -177,12 +173,12 @@ impl AnnotateOptions {
     }
 
     /// The range of a colour scale: the one asked for is that of the first, whose unit it has.
-    fn range_of(&self, scale: usize) -> Range {
+    pub(crate) fn range_of(&self, scale: usize) -> Range {
         if scale == 0 { self.range } else { Range::Auto }
     }
 
     /// Refuses more faces than the format can hold.
-    fn check_size(&self, format: OutputFormat, faces: usize) -> Result<(), Error> {
+    pub(crate) fn check_size(&self, format: OutputFormat, faces: usize) -> Result<(), Error> {
         if self.metadata && faces > LARGEST_EXACT_FACE {
             return Err(Error::TooLarge(format!(
                 "--metadata numbers faces in 32-bit floats, exact to {LARGEST_EXACT_FACE}, and there are {faces}: leave it out, or write fewer faces with --select"
@@ -204,7 +200,7 @@ impl AnnotateOptions {
     }
 
     /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
-    fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
+    pub(crate) fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
         let space = Space::to_gltf(input, self.up, self.unit)?;
         Ok(if output.is_gltf() { space } else { Space::default() })
     }
@@ -269,42 +265,27 @@ pub fn annotate(
     options: &AnnotateOptions,
     progress: &dyn Progress,
 ) -> Result<Summary, Error> {
-    options.check()?;
-    let options = &options.with_perimeter_if_wanted();
-    if !format.is_gltf() && (options.metadata || options.compress) {
-        return Err(Error::Usage("--metadata and --compress are for .glb and .gltf; leave them out".into()));
-    }
-    destination.check_folder()?;
-    options.edges.iter().chain(&options.legend).try_for_each(|path| io::check_folder(path))?;
+    let outputs = Outputs { destination, format, options: &options.with_perimeter_if_wanted() };
+    outputs.check()?;
+    let options = outputs.options;
     let start = Instant::now();
     let (mut soup, input_format) = io::read_with(input, &options.read, progress)?;
-    let space = options.space(input_format, format)?;
-    let others: Vec<PathBuf> = options.edges.iter().chain(&options.legend).chain(&options.reserved).cloned().collect();
-    destination.check(format, &others, input, &soup, options.shown().len())?;
-    if options.select.is_none() {
-        options.check_size(format, soup.face_count())?;
-    }
+    outputs.check_for(input, &soup.files, soup.face_count(), input_format)?;
     let stored = io::stored_values(&soup)?;
     if options.reuse && stored.is_none() {
         let what = "has no values of Osculate's to use again; leave --reuse out";
         return Err(Error::Usage(format!("{}: {what}", input.display())));
     }
-    if let Some(scene) = soup.scene.as_mut().filter(|scene| scene.original.is_some()) {
-        if format.is_gltf() {
-            if matches!(options.carrier, ColorCarrier::Vertex | ColorCarrier::VertexSrgb) {
-                let what = "vertex colours would change the look that the glTF input has; leave --color out";
-                return Err(Error::Usage(what.into()));
-            }
-            let notes = io::check_original(scene, options.force, options.metadata)?;
-            soup.notes.extend(notes);
-        } else {
-            scene.original = None;
-        }
+    if format.is_gltf() {
+        let notes = outputs.check_original(soup.scene.as_ref())?;
+        soup.notes.extend(notes);
+    } else if let Some(scene) = &mut soup.scene {
+        scene.original = None;
     }
     // Opened before any work, put in its place after the main output.
-    let mut edges = options.edges.as_deref().map(Output::create).transpose()?;
-    let mut legend = options.legend.as_deref().map(Output::create).transpose()?;
+    let besides = Besides::open(options)?;
     let mut notes = soup.notes.clone();
+    let files = std::mem::take(&mut soup.files);
     let read = start.elapsed();
 
     let mut mesh = Mesh::from_owned_soup(soup, &options.mesh).map_err(|e| e.in_file(input))?;
@@ -313,7 +294,8 @@ pub fn annotate(
     let mut provenance = options.provenance();
     let values = match stored {
         Some(stored) if options.reuse => {
-            keep_settings(&mut provenance, &stored);
+            keep_settings(&mut provenance, &stored.settings);
+            provenance["reused"] = true.into();
             stored.curvature(&mesh).map_err(|e| e.in_file(input))?
         }
         stored => {
@@ -323,51 +305,12 @@ pub fn annotate(
             values
         }
     };
-    let selected = options.select.as_ref().map(|select| chosen(select, &values, input)).transpose()?;
-    if let Some(selected) = &selected {
-        options.check_size(format, selected.len())?;
-    }
     let estimate = start.elapsed();
 
-    let colors = (options.shown().into_iter().enumerate())
-        .map(|(i, quantity)| ColorScale::new(quantity, options.colormap, options.range_of(i), &values))
-        .collect::<Result<Vec<_>, _>>()?;
-    let annotation = Annotation {
-        mesh: &mesh,
-        values: &values,
-        selected: selected.clone(),
-        name: io::mesh_name(input),
-        vertex_values: options.vertex_values.then(|| {
-            let written = if format.is_gltf() { options.selection.for_gltf() } else { options.selection.for_csv() };
-            VertexValues::of(&mesh, &values, &[written, options.shown()].concat())
-        }),
-        selection: options.selection.clone(),
-        colors,
-        carrier: options.carrier,
-        layout: options.layout,
-        force: options.force,
-        metadata: options.metadata,
-        compress: options.compress,
-        space,
-        provenance,
-    };
-    notes.extend(mesh.report().remarks().into_iter().map(Note::info));
-    notes.extend(note_of_weak_values(&values));
-    notes.extend(annotation.note_of_missing_face_numbers(format));
-    if let Some(out) = &mut edges {
-        let layers = edge_layers(&mesh, options.view);
-        let space = Space::to_gltf(input_format, options.up, options.unit)?;
-        let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
-        io::write_lines(&scene, out)?;
-        out.settle()?;
-    }
-    if let Some(out) = &mut legend {
-        legend::write(&annotation, out)?;
-        out.settle()?;
-    }
-    io::write(&annotation, format, destination, progress)?;
-    legend.map_or(Ok(()), Output::finish)?;
-    edges.map_or(Ok(()), Output::finish)?;
+    let annotated =
+        Annotated { mesh: &mesh, values: &values, source: input, files: &files, format: Some(input_format) };
+    let written = annotated.write_with(outputs, besides, provenance, progress)?;
+    notes.extend(written.notes);
     let write = start.elapsed();
 
     Ok(Summary {
@@ -376,26 +319,14 @@ pub fn annotate(
         input: input.display().to_string(),
         format: input_format,
         report: mesh.report().clone(),
-        selected_faces: selected.map(|selected| selected.len()),
+        selected_faces: written.selected_faces,
         notes,
-        settings: annotation.provenance.clone(),
-        legend: annotation.legend(),
-        units: annotation.units(),
+        settings: written.settings,
+        legend: written.legend,
+        units: written.units,
         curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
     })
-}
-
-/// The faces that fulfil a condition.
-fn chosen(select: &Condition, values: &[FaceCurvature], input: &Path) -> Result<Arc<[u32]>, Error> {
-    let faces: Vec<u32> =
-        (0..values.len() as u32).into_par_iter().filter(|&f| select.holds(Face(f), &values[f as usize])).collect();
-    if faces.is_empty() {
-        let what =
-            format!("none of its {} faces fulfils --select \"{select}\", so there is nothing to write", values.len());
-        return Err(Error::EmptyMesh(format!("{}: {what}", input.display())));
-    }
-    Ok(faces.into())
 }
 
 /// The settings that decide the values.
@@ -403,11 +334,10 @@ pub(crate) const OF_ESTIMATION: [&str; 7] =
     ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
 
 /// Values that are used again were estimated with the settings of their own run.
-pub(crate) fn keep_settings(provenance: &mut Value, stored: &StoredValues) {
+pub(crate) fn keep_settings(provenance: &mut Value, own: &Value) {
     for name in OF_ESTIMATION {
-        provenance[name] = stored.settings.get(name).cloned().unwrap_or_default();
+        provenance[name] = own.get(name).cloned().unwrap_or_default();
     }
-    provenance["reused"] = true.into();
 }
 
 /// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits. Values that were

@@ -2,8 +2,12 @@
 
 use crate::lines::Polyline;
 use crate::mesh::{Face, FaceState, Mesh};
+use crate::progress::{Progress, Stage};
 use crate::section::{Crossing, Features, Plane, Stop};
 use glam::DVec3;
+
+/// Faces looked at between two reports of progress.
+const CHUNK: u32 = 1 << 16;
 
 /// All polylines in which a plane cuts a mesh, ordered by their lowest face.
 ///
@@ -11,10 +15,14 @@ use glam::DVec3;
 /// that the section is the border of what lies below: it passes through such vertices and along such
 /// edges, and a face that lies in the plane is outlined where the mesh goes on below it. Open ends
 /// are at boundary edges and at edges with three or more faces.
-pub fn cut(mesh: &Mesh, plane: &Plane) -> Vec<Polyline> {
+pub fn cut(mesh: &Mesh, plane: &Plane, progress: &dyn Progress) -> Vec<Polyline> {
+    progress.begin(Stage::Cut, mesh.face_count() as u64);
     let mut visited = vec![false; mesh.face_count()];
     let mut lines = Vec::new();
     for face in (0..mesh.face_count() as u32).map(Face) {
+        if (face.0 + 1).is_multiple_of(CHUNK) {
+            progress.advance(CHUNK.into());
+        }
         let in_surface = matches!(mesh.face_state(face), FaceState::Sound | FaceState::NoArea);
         if visited[face.index()] || !in_surface {
             continue;
@@ -34,6 +42,7 @@ pub fn cut(mesh: &Mesh, plane: &Plane) -> Vec<Polyline> {
             lines.push(line);
         }
     }
+    progress.end();
     lines
 }
 
@@ -59,6 +68,7 @@ fn follow(mesh: &Mesh, plane: &Plane, first: Crossing, start: Face, visited: &mu
 mod tests {
     use super::*;
     use crate::mesh::MeshOptions;
+    use crate::progress::NoProgress;
     use crate::soup::{Positions, Soup};
     use crate::synth::{Grid, RoundedBox, Surface};
     use std::f64::consts::PI;
@@ -73,7 +83,7 @@ mod tests {
         // Through vertices and along edges, just beside them, and across.
         for (normal, lengths) in [(DVec3::Z, [8.0 * PI, 4.0 * PI]), (DVec3::Y, [2.0 * PI, 2.0 * PI])] {
             for offset in [0.0, 1e-9, -1e-9] {
-                let lines = cut(&mesh, &Plane { point: offset * normal, normal });
+                let lines = cut(&mesh, &Plane { point: offset * normal, normal }, &NoProgress);
                 assert_eq!(lines.len(), 2, "{normal} {offset}");
                 assert!(lines.iter().all(|l| l.closed));
                 let total: f64 = lines.iter().map(Polyline::length).sum();
@@ -92,7 +102,7 @@ mod tests {
             noise: 0.0,
             seed: 0,
         };
-        let lines = cut(&mesh(&shape.build().soup), &Plane { point: DVec3::splat(0.1), normal: DVec3::X });
+        let lines = cut(&mesh(&shape.build().soup), &Plane { point: DVec3::splat(0.1), normal: DVec3::X }, &NoProgress);
         let [line] = lines.as_slice() else { panic!("{} loops", lines.len()) };
         assert!(line.closed && (line.length() - 10.0).abs() < 1e-12, "{}", line.length());
     }
@@ -105,7 +115,7 @@ mod tests {
         for triangles in [soup.triangles.clone(), turned.collect()] {
             let points: Vec<[f64; 3]> = (0..soup.positions.len()).map(|v| soup.positions.get(v).to_array()).collect();
             let mesh = mesh(&Soup::new(Positions::F64(points), triangles));
-            let lines = cut(&mesh, &Plane { point: DVec3::new(0.13, 0.0, 0.0), normal: DVec3::X });
+            let lines = cut(&mesh, &Plane { point: DVec3::new(0.13, 0.0, 0.0), normal: DVec3::X }, &NoProgress);
             let [line] = lines.as_slice() else { panic!("{} lines", lines.len()) };
             assert!(!line.closed && (line.length() - 2.0).abs() < 1e-12);
         }
@@ -114,6 +124,6 @@ mod tests {
     #[test]
     fn a_plane_that_misses_cuts_nothing() {
         let mesh = mesh(&Grid::new(Surface::Sphere { radius: 1.0 }, 12, 6).build().soup);
-        assert!(cut(&mesh, &Plane { point: DVec3::splat(9.0), normal: DVec3::Z }).is_empty());
+        assert!(cut(&mesh, &Plane { point: DVec3::splat(9.0), normal: DVec3::Z }, &NoProgress).is_empty());
     }
 }

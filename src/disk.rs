@@ -170,6 +170,22 @@ impl Disk {
         })
     }
 
+    /// The way of every leg over the mesh from the centre, in the order of [`legs`](Disk::legs), for the face and the
+    /// frame that the disk was walked with.
+    pub fn paths(&self, mesh: &Mesh, face: Face, frame: &Frame) -> impl ExactSizeIterator<Item = Vec<DVec3>> {
+        (0..self.legs.len()).map(move |i| {
+            let direction = self.direction(frame, i);
+            let mut path = vec![frame.centre];
+            Leg::walk(mesh, face, frame, direction, self.radius, |p| path.push(frame.lift(direction, p)));
+            path
+        })
+    }
+
+    /// The unit tangent along which a leg starts.
+    pub fn direction(&self, frame: &Frame, leg: usize) -> DVec3 {
+        frame.direction(std::f64::consts::TAU * leg as f64 / self.legs.len() as f64)
+    }
+
     /// Share of the legs that reached the radius, 0 to 1.
     pub fn coverage(&self) -> f64 {
         let full = self.legs.iter().filter(|leg| leg.stop == Stop::Length).count();

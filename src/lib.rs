@@ -28,6 +28,7 @@
 extern crate self as osculate;
 
 mod annotate;
+mod annotated;
 mod annotation;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -66,6 +67,7 @@ pub mod stages {
 }
 
 pub use annotate::{AnnotateOptions, annotate};
+pub use annotated::{Annotated, Written};
 pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use condition::Condition;

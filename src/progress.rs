@@ -9,6 +9,10 @@ pub enum Stage {
     Estimate,
     /// Writing the output, counted in bytes.
     Write,
+    /// Stepping along principal directions, counted in traces.
+    Trace,
+    /// Cutting with a plane, counted in faces.
+    Cut,
 }
 
 /// Receives progress. Calls may come from any thread, one stage at a time.
@@ -16,7 +20,7 @@ pub trait Progress: Sync {
     /// A stage begins; `total` is its amount of work, 0 where it is not known.
     fn begin(&self, stage: Stage, total: u64);
     /// So much more of the stage's work is done; 0 where work goes on that is not counted. Who wants the run to end may
-    /// unwind from here: no output is then left half written.
+    /// unwind from here, with a payload that is no text, as a panic's would be: no output is then left half written.
     fn advance(&self, amount: u64);
     /// The stage is over.
     fn end(&self);

@@ -28,6 +28,21 @@ pub enum Stop {
     Missed,
 }
 
+impl Stop {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stop::Length => "length",
+            Stop::Boundary => "boundary",
+            Stop::Feature => "feature",
+            Stop::NonManifold => "non_manifold",
+            Stop::Turned => "turned",
+            Stop::Closed => "closed",
+            Stop::Missed => "missed",
+        }
+    }
+}
+
 /// Whether a walk ends at feature edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Features {

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::lines::Polyline;
 use crate::mesh::{Face, Mesh};
 use crate::place::{Place, nearest_in_triangle};
+use crate::progress::{Progress, Stage};
 use crate::section::Stop;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -55,6 +56,20 @@ pub enum End {
     Stuck,
 }
 
+impl End {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            End::Steps => "steps",
+            End::Boundary => "boundary",
+            End::Feature => "feature",
+            End::NonManifold => "non_manifold",
+            End::Umbilic => "umbilic",
+            End::Stuck => "stuck",
+        }
+    }
+}
+
 /// A centre on a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
@@ -90,13 +105,22 @@ pub fn trace(
     seeds: &[Place],
     curvature: &CurvatureOptions,
     options: &TraceOptions,
+    progress: &dyn Progress,
 ) -> Result<Vec<Trace>, Error> {
     curvature.check_for(mesh)?;
     if !(1..=1_000_000).contains(&options.steps) {
         return Err(Error::Usage(format!("the number of steps must be 1 to 1000000, not {}", options.steps)));
     }
-    let walker = Walker { mesh, curvature, options, fixed_radius: curvature.fixed_radius(mesh) };
-    Ok(seeds.par_iter().map_init(Disk::new, |disk, &seed| walker.trace(seed, disk)).collect())
+    progress.begin(Stage::Trace, seeds.len() as u64);
+    let walker = Walker { mesh, curvature, options, fixed_radius: curvature.fixed_radius(mesh), progress };
+    let trace = |disk: &mut Disk, &seed: &Place| {
+        let trace = walker.trace(seed, disk);
+        progress.advance(1);
+        trace
+    };
+    let traces = seeds.par_iter().map_init(Disk::new, trace).collect();
+    progress.end();
+    Ok(traces)
 }
 
 struct Walker<'m> {
@@ -104,6 +128,7 @@ struct Walker<'m> {
     curvature: &'m CurvatureOptions,
     options: &'m TraceOptions,
     fixed_radius: Option<f64>,
+    progress: &'m dyn Progress,
 }
 
 /// One way of a trace.
@@ -136,6 +161,8 @@ impl Walker<'_> {
         let mut way = Way { points: Vec::new(), path: Vec::new(), end: End::Steps };
         let mut place = seed;
         for step in 0..=self.options.steps {
+            // A trace may be long; this is where it may be cancelled.
+            self.progress.advance(0);
             let Some(frame) = Frame::at(self.mesh, place) else {
                 way.end = End::Stuck;
                 return way;
@@ -224,6 +251,7 @@ pub fn spread_seeds(mesh: &Mesh, count: usize) -> Vec<Place> {
 mod tests {
     use super::*;
     use crate::mesh::MeshOptions;
+    use crate::progress::NoProgress;
     use crate::synth::{Grid, Surface};
 
     fn torus() -> Mesh {
@@ -245,7 +273,7 @@ mod tests {
             for weights in [[1.0 / 3.0; 3], [0.98, 0.01, 0.01], [0.1, 0.2, 0.7], [0.0, 0.5, 0.5]] {
                 let seed = Place { face: Face(face), weights };
                 let options = TraceOptions { steps: 24, ..TraceOptions::default() };
-                let traces = trace(&mesh, &[seed], &CurvatureOptions::default(), &options).expect("valid");
+                let traces = trace(&mesh, &[seed], &CurvatureOptions::default(), &options, &NoProgress).expect("valid");
                 let length = traces[0].path.length();
                 assert_eq!((traces[0].points.len(), traces[0].end), (25, End::Steps));
                 assert!(length > 2.0 * std::f64::consts::PI, "a full turn: {length}");
@@ -263,7 +291,7 @@ mod tests {
         let run = |mesh: &Mesh, along| {
             let options = TraceOptions { along, both_ways: true, ..TraceOptions::default() };
             let seed = Place::barycentre(Face(mesh.face_count() as u32 / 2));
-            trace(mesh, &[seed], &CurvatureOptions::default(), &options).expect("valid").remove(0)
+            trace(mesh, &[seed], &CurvatureOptions::default(), &options, &NoProgress).expect("valid").remove(0)
         };
         let sphere = run(&build(Surface::Sphere { radius: 1.0 }), Along::Max);
         assert_eq!((sphere.end, sphere.points.len()), (End::Umbilic, 1));

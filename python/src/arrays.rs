@@ -2,32 +2,45 @@
 
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
-use osculate::PositionsRef;
-use pyo3::exceptions::PyTypeError;
+use osculate::{Error, MeshOptions, PositionsRef, SameVertex};
 use pyo3::prelude::*;
 
 /// Vertices (n, 3) of either width, borrowed from NumPy.
-pub(crate) enum Vertices<'py> {
+#[derive(FromPyObject)]
+enum Vertices<'py> {
     F32(PyReadonlyArray2<'py, f32>),
     F64(PyReadonlyArray2<'py, f64>),
 }
 
-impl<'py> Vertices<'py> {
-    pub(crate) fn of(array: &Bound<'py, PyAny>) -> PyResult<Self> {
-        if let Ok(narrow) = array.cast::<PyArray2<f32>>() {
-            return Ok(Vertices::F32(narrow.readonly()));
-        }
-        match array.cast::<PyArray2<f64>>() {
-            Ok(wide) => Ok(Vertices::F64(wide.readonly())),
-            Err(_) => Err(PyTypeError::new_err("vertices must be float32 or float64")),
-        }
-    }
+/// A mesh in NumPy's arrays, as the package hands it over: vertices, faces (m, 3), and whether vertices are told apart
+/// by their numbers alone.
+#[derive(FromPyObject)]
+pub(crate) struct Arrays<'py>(Vertices<'py>, PyReadonlyArray2<'py, u32>, bool);
 
-    pub(crate) fn positions(&self) -> PyResult<PositionsRef<'_>> {
-        Ok(match self {
+impl Arrays<'_> {
+    /// The arrays as they lie in memory, which any thread may read.
+    pub(crate) fn borrowed(&self) -> PyResult<BorrowedArrays<'_>> {
+        let Arrays(vertices, faces, by_number) = self;
+        let vertices = match vertices {
             Vertices::F32(array) => PositionsRef::F32(array.as_slice()?.as_chunks().0),
             Vertices::F64(array) => PositionsRef::F64(array.as_slice()?.as_chunks().0),
-        })
+        };
+        let same = if *by_number { SameVertex::Number } else { SameVertex::Position };
+        Ok(BorrowedArrays { vertices, faces: faces.as_slice()?.as_chunks().0, same })
+    }
+}
+
+/// A mesh in slices.
+#[derive(Clone, Copy)]
+pub(crate) struct BorrowedArrays<'a> {
+    vertices: PositionsRef<'a>,
+    faces: &'a [[u32; 3]],
+    same: SameVertex,
+}
+
+impl BorrowedArrays<'_> {
+    pub(crate) fn mesh(self, options: &MeshOptions) -> Result<osculate::Mesh, Error> {
+        osculate::Mesh::from_arrays(self.vertices, self.faces, self.same, options)
     }
 }
 

@@ -43,7 +43,7 @@ impl Batch {
 
     /// Annotates a file, whatever is in it: what became of it, as JSON.
     fn annotate(&self, py: Python<'_>, input: PathBuf, output: PathBuf) -> PyResult<String> {
-        let done = work::run(py, self.threads, None, |_| Ok(self.batch.annotate(&input, &output)))?;
+        let done = work::run(py, self.threads, None, |progress| Ok(self.batch.annotate(&input, &output, progress)))?;
         json(&done)
     }
 }

@@ -5,11 +5,12 @@ use crate::work;
 use glam::DVec3;
 use numpy::IntoPyArray;
 use osculate::cli::settings::Walk;
-use osculate::{Disk, End, FaceCurvature, Frame, Leg, Mesh, Place, Plane, Polyline, Stop, Trace};
+use osculate::{End, FaceCurvature, Frame, Mesh, Place, Plane, Polyline, Trace};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-/// The disk at a place: its frame, its values, and per leg angle, length, end, path and why it ended.
+/// The disk at a place: its frame, its values, and per leg angle, length, end, path and why it ended. One disk is done
+/// before anybody could cancel it.
 pub(crate) fn disk<'py>(py: Python<'py>, mesh: &Mesh, call: &Walk) -> PyResult<Bound<'py, PyDict>> {
     let (place, disk, frame, value) = work::run(py, call.threads, None, |_| {
         let place = call.places(mesh)?.remove(0);
@@ -24,31 +25,13 @@ pub(crate) fn disk<'py>(py: Python<'py>, mesh: &Mesh, call: &Walk) -> PyResult<B
     let angles: Vec<f64> = (0..count).map(angle).collect();
     dict.set_item("angle", angles.into_pyarray(py))?;
     dict.set_item("length", disk.legs().iter().map(|leg| leg.length).collect::<Vec<_>>().into_pyarray(py))?;
-    dict.set_item("stop", disk.legs().iter().map(|leg| stop(leg.stop)).collect::<Vec<_>>())?;
-    dict.set_item("legs", legs(py, mesh, place, &disk, &frame, angle)?)?;
+    dict.set_item("stop", disk.legs().iter().map(|leg| leg.stop.name()).collect::<Vec<_>>())?;
+    let legs = disk.paths(mesh, place.face, &frame).map(|path| points(py, &path, mesh.origin()));
+    dict.set_item("legs", legs.collect::<PyResult<Vec<_>>>()?)?;
     let curvature = disk.diameters().map(|d| osculate::normal_curvature(&d, call.curvature.estimator));
     let curvature: Vec<f64> = curvature.map(|k| k.unwrap_or(f64::NAN)).collect();
     dict.set_item("curvature", curvature.into_pyarray(py))?;
     Ok(dict)
-}
-
-/// The path of each leg over the mesh, from the centre.
-fn legs<'py>(
-    py: Python<'py>,
-    mesh: &Mesh,
-    place: Place,
-    disk: &Disk,
-    frame: &Frame,
-    angle: impl Fn(usize) -> f64,
-) -> PyResult<Bound<'py, PyList>> {
-    let list = PyList::empty(py);
-    for i in 0..disk.legs().len() {
-        let direction = frame.direction(angle(i));
-        let mut path = vec![frame.centre];
-        Leg::walk(mesh, place.face, frame, direction, disk.radius(), |p| path.push(frame.lift(direction, p)));
-        list.append(points(py, &path, mesh.origin())?)?;
-    }
-    Ok(list)
 }
 
 fn set_place(py: Python<'_>, dict: &Bound<'_, PyDict>, mesh: &Mesh, place: Place, frame: &Frame) -> PyResult<()> {
@@ -77,10 +60,15 @@ fn value_of<'py>(py: Python<'py>, value: &FaceCurvature) -> PyResult<Bound<'py, 
 }
 
 /// Traces from all seeds.
-pub(crate) fn traces<'py>(py: Python<'py>, mesh: &Mesh, call: &Walk) -> PyResult<Bound<'py, PyList>> {
-    let traces = work::run(py, call.threads, None, |_| {
+pub(crate) fn traces<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    call: &Walk,
+    progress: Option<&Py<PyAny>>,
+) -> PyResult<Bound<'py, PyList>> {
+    let traces = work::run(py, call.threads, progress, |progress| {
         let seeds = call.places(mesh)?;
-        osculate::trace(mesh, &seeds, &call.curvature, &call.trace)
+        osculate::trace(mesh, &seeds, &call.curvature, &call.trace, progress)
     })?;
     let list = PyList::empty(py);
     for trace in &traces {
@@ -103,40 +91,22 @@ fn trace_of<'py>(py: Python<'py>, mesh: &Mesh, trace: &Trace) -> PyResult<Bound<
     dict.set_item("k_min", number(|value| value.k_min))?;
     dict.set_item("radius", number(|value| value.radius))?;
     dict.set_item("path", points(py, &trace.path.points, mesh.origin())?)?;
-    dict.set_item("end", end(trace.end))?;
-    dict.set_item("backward_end", trace.backward_end.map(end))?;
+    dict.set_item("end", trace.end.name())?;
+    dict.set_item("backward_end", trace.backward_end.map(End::name))?;
     Ok(dict)
 }
 
 /// The polylines of a plane section.
-pub(crate) fn section<'py>(py: Python<'py>, mesh: &Mesh, plane: &Plane) -> PyResult<Bound<'py, PyList>> {
-    let lines = work::run(py, None, None, |_| Ok(osculate::cut(mesh, plane)))?;
+pub(crate) fn section<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    plane: &Plane,
+    progress: Option<&Py<PyAny>>,
+) -> PyResult<Bound<'py, PyList>> {
+    let lines = work::run(py, None, progress, |progress| Ok(osculate::cut(mesh, plane, progress)))?;
     let list = PyList::empty(py);
     for line in &lines {
         list.append((points(py, &line.points, mesh.origin())?, line.closed, Polyline::length(line)))?;
     }
     Ok(list)
-}
-
-fn stop(stop: Stop) -> &'static str {
-    match stop {
-        Stop::Length => "length",
-        Stop::Boundary => "boundary",
-        Stop::Feature => "feature",
-        Stop::NonManifold => "non_manifold",
-        Stop::Turned => "turned",
-        Stop::Closed => "closed",
-        Stop::Missed => "missed",
-    }
-}
-
-fn end(end: End) -> &'static str {
-    match end {
-        End::Steps => "steps",
-        End::Boundary => "boundary",
-        End::Feature => "feature",
-        End::NonManifold => "non_manifold",
-        End::Umbilic => "umbilic",
-        End::Stuck => "stuck",
-    }
 }

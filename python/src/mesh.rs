@@ -1,13 +1,16 @@
 //! A mesh: built from arrays or read from a file, then estimated.
 
-use crate::arrays::{Vertices, points, triples};
+use crate::arrays::{Arrays, points, triples};
 use crate::lines;
 use crate::settings::Settings;
 use crate::values::{Values, json};
 use crate::{errors, work};
-use numpy::{PyArray2, PyReadonlyArray2};
-use osculate::cli::settings::{Build, Estimate, Read, Walk, parse_arrays, parse_plane};
-use osculate::{AnnotateOptions, CurvatureOptions, Error, Face, MeshOptions, Note, Progress, SameVertex, Selection};
+use numpy::PyArray2;
+use osculate::cli::settings::{Build, Estimate, Read, Walk, Write, parse_arrays, parse_plane};
+use osculate::{
+    AnnotateOptions, Annotated, CurvatureOptions, Error, Face, InputFormat, MeshOptions, Note, Progress, Selection,
+};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
@@ -20,6 +23,22 @@ pub(crate) struct Mesh {
     options: MeshOptions,
     notes: Vec<Note>,
     stored: Option<Stored>,
+    origin: Origin,
+}
+
+/// Where a mesh is from.
+struct Origin {
+    /// The file; of arrays the name that their object gets.
+    path: PathBuf,
+    /// Files that it names.
+    files: Vec<PathBuf>,
+    format: Option<InputFormat>,
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        Origin { path: "mesh".into(), files: Vec::new(), format: None }
+    }
 }
 
 /// Of a mesh that is gone: its report as JSON, its defects, and the settings that decide values as JSON.
@@ -34,12 +53,8 @@ struct Stored {
 impl Mesh {
     fn of(mesh: osculate::Mesh, options: MeshOptions) -> Self {
         let notes = mesh.report().remarks().into_iter().map(Note::info).collect();
-        Mesh { mesh, options, notes, stored: None }
+        Mesh { mesh, options, notes, stored: None, origin: Origin::default() }
     }
-}
-
-fn same_vertex(by_number: bool) -> SameVertex {
-    if by_number { SameVertex::Number } else { SameVertex::Position }
 }
 
 /// The settings that decide values, as they stand in files, as JSON.
@@ -48,15 +63,16 @@ fn settings_of(mesh: MeshOptions, curvature: CurvatureOptions) -> PyResult<Strin
 }
 
 fn read(path: &Path, call: &Read, progress: &dyn Progress) -> Result<Mesh, Error> {
-    let (soup, _) = osculate::read_with(path, &call.read, progress)?;
+    let (soup, format) = osculate::read_with(path, &call.read, progress)?;
     let stored = osculate::stored_values(&soup)?;
     let notes = soup.notes.clone();
+    let origin = Origin { path: path.to_owned(), files: soup.files.clone(), format: Some(format) };
     let mesh = osculate::Mesh::from_owned_soup(soup, &call.mesh).map_err(|e| e.in_file(path))?;
     let stored = stored.map(|stored| {
         let values = stored.curvature(&mesh).map_err(|e| e.in_file(path))?;
         Ok(Stored { values, settings: stored.settings })
     });
-    let mut read = Mesh::of(mesh, call.mesh);
+    let mut read = Mesh { origin, ..Mesh::of(mesh, call.mesh) };
     // Values that lack what an estimate has are no reason to refuse the mesh.
     read.stored = stored.and_then(Result::<_, Error>::ok);
     read.notes.splice(0..0, notes);
@@ -65,23 +81,12 @@ fn read(path: &Path, call: &Read, progress: &dyn Progress) -> Result<Mesh, Error
 
 #[pymethods]
 impl Mesh {
-    /// From float arrays (n, 3) and uint32 faces (m, 3), both contiguous.
+    /// From float vertices (n, 3) and uint32 faces (m, 3), both contiguous, and whether vertices go by number.
     #[staticmethod]
-    #[pyo3(signature = (vertices, faces, by_number, settings, progress=None))]
-    fn from_arrays(
-        py: Python<'_>,
-        vertices: &Bound<'_, PyAny>,
-        faces: PyReadonlyArray2<'_, u32>,
-        by_number: bool,
-        settings: Settings,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Self> {
+    fn from_arrays(py: Python<'_>, arrays: Arrays<'_>, settings: Settings) -> PyResult<Self> {
         let call = Build::parse(&settings).map_err(|e| errors::raise(py, &e))?;
-        let vertices = Vertices::of(vertices)?;
-        let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
-        let mesh = work::run(py, call.threads, progress.as_ref(), |_| {
-            osculate::Mesh::from_arrays(positions, triangles, same_vertex(by_number), &call.mesh)
-        })?;
+        let arrays = arrays.borrowed()?;
+        let mesh = work::run(py, call.threads, None, |_| arrays.mesh(&call.mesh))?;
         Ok(Mesh::of(mesh, call.mesh))
     }
 
@@ -96,25 +101,22 @@ impl Mesh {
     /// Builds a mesh from arrays and estimates it, in one go. Gives its report, its defects and the settings that decide
     /// values (texts and JSON), and the values; the mesh itself is gone.
     #[staticmethod]
-    #[pyo3(signature = (vertices, faces, by_number, settings, progress=None))]
+    #[pyo3(signature = (arrays, settings, progress=None))]
     fn annotate_arrays(
         py: Python<'_>,
-        vertices: &Bound<'_, PyAny>,
-        faces: PyReadonlyArray2<'_, u32>,
-        by_number: bool,
+        arrays: Arrays<'_>,
         settings: Settings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(MeshFacts, Values)> {
         let (build, call) = parse_arrays(&settings).map_err(|e| errors::raise(py, &e))?;
-        let vertices = Vertices::of(vertices)?;
-        let (positions, triangles) = (vertices.positions()?, faces.as_slice()?.as_chunks().0);
+        let arrays = arrays.borrowed()?;
         let (report, values) = work::run(py, build.threads, progress.as_ref(), |progress| {
-            let mesh = osculate::Mesh::from_arrays(positions, triangles, same_vertex(by_number), &build.mesh)?;
+            let mesh = arrays.mesh(&build.mesh)?;
             let (mesh, values) = osculate::estimate_owned(mesh, &call.curvature, progress)?;
             Ok((mesh.report().clone(), values))
         })?;
         let facts = (json(&report)?, report.defects(), settings_of(build.mesh, call.curvature)?);
-        Ok((facts, Values::new(values, call.selection)))
+        Ok((facts, Values::new(values, call.selection, call.threads)))
     }
 
     /// Estimates the curvature of all faces.
@@ -124,7 +126,26 @@ impl Mesh {
         let values = work::run(py, call.threads, progress.as_ref(), |progress| {
             osculate::estimate(&self.mesh, &call.curvature, progress)
         })?;
-        Ok(Values::new(values, call.selection))
+        Ok(Values::new(values, call.selection, call.threads))
+    }
+
+    /// Writes the mesh with values that were estimated with `used`, settings as JSON: what is worth knowing of it, as
+    /// JSON.
+    #[pyo3(signature = (output, values, used, settings, progress=None))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        output: PathBuf,
+        values: &Values,
+        used: &str,
+        settings: Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        let used: Value = serde_json::from_str(used).map_err(|e| PyValueError::new_err(e.to_string()))?;
+        let call = Write::parse(&output, &settings, values.selection()).map_err(|e| errors::raise(py, &e))?;
+        let Origin { path, files, format } = &self.origin;
+        let annotated = Annotated { mesh: &self.mesh, values: values.values(), source: path, files, format: *format };
+        json(&work::run(py, call.threads, progress.as_ref(), |progress| call.run(&annotated, &used, progress))?)
     }
 
     /// The settings that decide values, with their defaults, as JSON.
@@ -136,7 +157,7 @@ impl Mesh {
     /// The values that the file carries from an earlier run, and the settings of that run as JSON.
     fn stored(&self) -> PyResult<Option<(Values, String)>> {
         let Some(stored) = &self.stored else { return Ok(None) };
-        Ok(Some((Values::new(stored.values.clone(), Selection::default()), json(&stored.settings)?)))
+        Ok(Some((Values::new(stored.values.clone(), Selection::default(), None), json(&stored.settings)?)))
     }
 
     /// Positions of the welded vertices, (n, 3) float64.
@@ -178,14 +199,26 @@ impl Mesh {
     }
 
     /// Paths along a principal direction.
-    fn trace<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
+    #[pyo3(signature = (settings, progress=None))]
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        settings: Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyList>> {
         let call = Walk::parse_trace(&settings).map_err(|e| errors::raise(py, &e))?;
-        lines::traces(py, &self.mesh, &call)
+        lines::traces(py, &self.mesh, &call, progress.as_ref())
     }
 
     /// The polylines in which a plane cuts the mesh.
-    fn section<'py>(&self, py: Python<'py>, settings: Settings) -> PyResult<Bound<'py, PyList>> {
+    #[pyo3(signature = (settings, progress=None))]
+    fn section<'py>(
+        &self,
+        py: Python<'py>,
+        settings: Settings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyList>> {
         let plane = parse_plane(&self.mesh, &settings).map_err(|e| errors::raise(py, &e))?;
-        lines::section(py, &self.mesh, &plane)
+        lines::section(py, &self.mesh, &plane, progress.as_ref())
     }
 }

@@ -10,17 +10,29 @@ use osculate::{Colormap, Condition, CurvatureSummary, Face, FaceClass, FaceCurva
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayon::prelude::*;
 
 /// Curvature of all faces of a mesh, in face order.
 #[pyclass(frozen, module = "osculate._native")]
 pub(crate) struct Values {
     values: Vec<FaceCurvature>,
     selection: Selection,
+    /// Threads for making arrays of them; `None` for one per core.
+    threads: Option<usize>,
 }
 
 impl Values {
-    pub(crate) fn new(values: Vec<FaceCurvature>, selection: Selection) -> Self {
-        Values { values, selection }
+    pub(crate) fn new(values: Vec<FaceCurvature>, selection: Selection, threads: Option<usize>) -> Self {
+        Values { values, selection, threads }
+    }
+
+    pub(crate) fn values(&self) -> &[FaceCurvature] {
+        &self.values
+    }
+
+    /// The quantities asked for.
+    pub(crate) fn selection(&self) -> &Selection {
+        &self.selection
     }
 }
 
@@ -42,12 +54,12 @@ impl Values {
         let of = |value: &FaceCurvature, component| quantity.value(Face(0), value, component);
         Ok(match quantity {
             Quantity::Face => PyArray1::from_iter(py, 0..self.values.len() as u32).into_any(),
-            Quantity::Class => self.array(py, |value| value.class.code()),
-            Quantity::Method => self.array(py, |value| code_of(value.method)),
+            Quantity::Class => self.each(py, |value| value.class.code())?.into_pyarray(py).into_any(),
+            Quantity::Method => self.each(py, |value| code_of(value.method))?.into_pyarray(py).into_any(),
             Quantity::DirMax | Quantity::DirMin => {
-                triples(py, self.values.iter().map(|value| [0, 1, 2].map(|i| of(value, i))).collect())?.into_any()
+                triples(py, self.each(py, |value| [0, 1, 2].map(|i| of(value, i)))?)?.into_any()
             }
-            _ => self.array(py, |value| of(value, 0)),
+            _ => self.each(py, |value| of(value, 0))?.into_pyarray(py).into_any(),
         })
     }
 
@@ -75,7 +87,7 @@ impl Values {
         }
         let list = if selected.is_empty() { "none".into() } else { selected.join(",") };
         let selection = Selection::parse(&list).map_err(|e| errors::raise(py, &e))?;
-        Ok(Values { values: rows.iter().map(unpacked).collect(), selection })
+        Ok(Values::new(rows.iter().map(unpacked).collect(), selection, None))
     }
 
     /// Which faces fulfil a condition of `--select`.
@@ -106,9 +118,16 @@ impl Values {
     }
 }
 
+/// More values than this are looked at on several threads; starting those takes as long as so many.
+const FEW: usize = 1 << 16;
+
 impl Values {
-    fn array<'py, T: numpy::Element>(&self, py: Python<'py>, of: impl Fn(&FaceCurvature) -> T) -> Bound<'py, PyAny> {
-        self.values.iter().map(of).collect::<Vec<T>>().into_pyarray(py).into_any()
+    /// Something of each value.
+    fn each<T: Send>(&self, py: Python<'_>, of: impl Fn(&FaceCurvature) -> T + Send + Sync) -> PyResult<Vec<T>> {
+        if self.values.len() <= FEW {
+            return Ok(self.values.iter().map(of).collect());
+        }
+        work::run(py, self.threads, None, |_| Ok(self.values.par_iter().map(of).collect()))
     }
 }
 

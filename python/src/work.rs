@@ -166,5 +166,7 @@ fn name(stage: Stage) -> &'static str {
         Stage::Read => "read",
         Stage::Estimate => "estimate",
         Stage::Write => "write",
+        Stage::Trace => "trace",
+        Stage::Cut => "cut",
     }
 }

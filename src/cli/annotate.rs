@@ -1,7 +1,7 @@
 //! `osculate annotate`.
 
 use super::Outcome;
-use super::args::AnnotateArgs;
+use super::args::{AnnotateArgs, OutputsArgs};
 use super::messages::Messages;
 use super::progress::Bars;
 use osculate::{AnnotateOptions, Destination, Error, Output, OutputFormat, Progress, Summary};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, Error> {
     let options = args.options()?;
-    let target = Target::of(args)?;
+    let target = Target::of(&args.outputs, args.stats.clone())?;
     let bars = Bars::new(messages.wants_progress());
     let summary = target.annotate(&args.input.path, &options, &bars)?;
 
@@ -24,7 +24,7 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
         Some(selected) => format!("{selected} of {} faces", summary.report.faces),
         None => format!("{} faces", summary.report.faces),
     };
-    messages.info(&format!("{}: {faces} in {seconds:.2} s", args.output.display()));
+    messages.info(&format!("{}: {faces} in {seconds:.2} s", args.outputs.output.display()));
     Ok(Outcome::of(summary.has_defects()))
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Target {
 
 impl Target {
     /// Where the command line says that they go.
-    pub(super) fn of(args: &AnnotateArgs) -> Result<Self, Error> {
+    pub(super) fn of(args: &OutputsArgs, stats: Option<PathBuf>) -> Result<Self, Error> {
         let to_stdout = args.output == Path::new("-");
         let format = match args.format {
             Some(format) => format.into(),
@@ -47,7 +47,7 @@ impl Target {
             None => OutputFormat::of(&args.output)?,
         };
         let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
-        Ok(Target { destination, format, stats: args.stats.clone(), no_clobber: args.no_clobber })
+        Ok(Target { destination, format, stats, no_clobber: args.no_clobber })
     }
 
     /// Annotates a file and writes its statistics.
@@ -57,11 +57,7 @@ impl Target {
         options: &AnnotateOptions,
         progress: &dyn Progress,
     ) -> Result<Summary, Error> {
-        let mut besides = [&options.edges, &options.legend, &self.stats].into_iter().flatten();
-        let existing = || self.destination.existing(self.format).or(besides.find(|path| path.exists()).cloned());
-        if let Some(existing) = self.no_clobber.then(existing).flatten() {
-            return Err(Error::Exists(existing));
-        }
+        self.check_existing(options)?;
         // Opened before any work, so that a wrong folder is known at once.
         let stats = self.stats.as_deref().map(Output::create).transpose()?;
         let summary = osculate::annotate(input, &self.destination, self.format, options, progress)?;
@@ -69,6 +65,13 @@ impl Target {
             write_stats(&summary, stats)?;
         }
         Ok(summary)
+    }
+
+    /// Refuses to replace what is there, where that is not wanted.
+    pub(super) fn check_existing(&self, options: &AnnotateOptions) -> Result<(), Error> {
+        let mut besides = [&options.edges, &options.legend, &self.stats].into_iter().flatten();
+        let existing = || self.destination.existing(self.format).or(besides.find(|path| path.exists()).cloned());
+        self.no_clobber.then(existing).flatten().map_or(Ok(()), |existing| Err(Error::Exists(existing)))
     }
 }
 

@@ -5,9 +5,7 @@ use super::args::DiskArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
 use glam::DVec3;
-use osculate::{
-    CurvatureOptions, Disk, Error, FaceCurvature, Frame, Layer, Leg, LineScene, Mesh, Output, Polyline, Stop,
-};
+use osculate::{CurvatureOptions, Disk, Error, FaceCurvature, Frame, Layer, LineScene, Mesh, Output, Polyline};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -50,14 +48,8 @@ pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error
 
 /// Legs, rim and the two principal directions, the longer one that of k_max (the paper's figures).
 fn layers(mesh: &Mesh, face: osculate::Face, disk: &Disk, frame: &Frame, value: &FaceCurvature) -> Vec<Layer> {
-    let count = disk.legs().len();
-    let direction = |i: usize| frame.direction(std::f64::consts::TAU * i as f64 / count as f64);
-    let legs = (0..count).map(|i| {
-        let mut points = vec![frame.centre];
-        Leg::walk(mesh, face, frame, direction(i), disk.radius(), |p| points.push(frame.lift(direction(i), p)));
-        Polyline::open(points)
-    });
-    let rim = disk.legs().iter().enumerate().map(|(i, leg)| frame.lift(direction(i), leg.end));
+    let legs = disk.paths(mesh, face, frame).map(Polyline::open);
+    let rim = disk.legs().iter().enumerate().map(|(i, leg)| frame.lift(disk.direction(frame, i), leg.end));
     let principal = |direction: DVec3, length: f64| {
         let half = 0.5 * length * disk.radius() * direction;
         vec![Polyline::open([frame.centre - half, frame.centre + half])]
@@ -86,21 +78,9 @@ fn diameters(disk: &Disk, options: &CurvatureOptions) -> String {
             d.angle.to_degrees(),
             d.forward.length,
             d.backward.length,
-            stop(d.forward.stop),
-            stop(d.backward.stop)
+            d.forward.stop.name(),
+            d.backward.stop.name()
         );
     }
     csv
-}
-
-fn stop(stop: Stop) -> &'static str {
-    match stop {
-        Stop::Length => "length",
-        Stop::Boundary => "boundary",
-        Stop::Feature => "feature",
-        Stop::NonManifold => "non_manifold",
-        Stop::Turned => "turned",
-        Stop::Closed => "closed",
-        Stop::Missed => "missed",
-    }
 }

@@ -25,7 +25,7 @@ pub(super) fn read_mesh(
     let bars = Bars::new(messages.wants_progress());
     let (soup, format) = osculate::read_with(path, &input.reading.options()?, &bars)?;
     let outputs: Vec<PathBuf> = outputs.iter().map(|output| output.to_path_buf()).collect();
-    osculate::check_outputs(&outputs, path, &soup)?;
+    osculate::check_outputs(&outputs, path, &soup.files)?;
     let mesh = Mesh::from_soup(&soup, &mesh.options()).map_err(|e| e.in_file(path))?;
     soup.notes.iter().for_each(|note| messages.note(note));
     mesh.report().defects().iter().for_each(|defect| messages.warning(defect));

@@ -33,6 +33,8 @@ impl Progress for Bars {
             Stage::Read => ("reading", "{bytes}/{total_bytes}"),
             Stage::Estimate => ("estimating", "{human_pos}/{human_len} faces"),
             Stage::Write => ("writing", "{bytes}/{total_bytes}"),
+            Stage::Trace => ("tracing", "{human_pos}/{human_len} traces"),
+            Stage::Cut => ("cutting", "{human_pos}/{human_len} faces"),
         };
         let template = format!("{{msg:>10}} [{{bar:40}}] {counter} {{eta}}");
         self.with(|bar| {

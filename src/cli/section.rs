@@ -4,6 +4,7 @@ use super::Outcome;
 use super::args::SectionArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
+use super::progress::Bars;
 use osculate::{Error, Layer, LineScene, Output, Plane, Polyline, Space};
 use serde_json::json;
 
@@ -13,7 +14,7 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
     let mesh = &input.mesh;
     let [a, b, c, d] = args.plane.plane;
     let plane = Plane::of_equation(mesh, args.plane.plane);
-    let lines = osculate::cut(mesh, &plane);
+    let lines = osculate::cut(mesh, &plane, &Bars::new(messages.wants_progress()));
     if lines.is_empty() {
         return Err(Error::Usage(format!(
             "the plane {a} x + {b} y + {c} z + {d} = 0 does not cut {}; see its bounds with osculate inspect",

@@ -10,14 +10,15 @@ pub use facts::{Separator, SettingFacts, facts};
 use super::annotate::Target;
 use super::args::{
     AnnotateArgs, ArraysCall, BatchArgs, BuildCall, ColorsArgs, DiskCall, EstimateCall, EstimationArgs, InspectCall,
-    MeshArgs, PathArgs, PlaceArgs, PlaneArgs, ReadCall, ReadingArgs, TraceCall,
+    MeshArgs, PathArgs, PlaceArgs, PlaneArgs, ReadCall, ReadingArgs, TraceCall, WriteCall,
 };
 use glam::DVec3;
 use osculate::{
-    AnnotateOptions, ColorScale, CurvatureOptions, Error, FaceCurvature, Mesh, MeshOptions, Place, Plane, Progress,
-    Quantity, ReadOptions, Selection, Summary, TraceOptions,
+    AnnotateOptions, Annotated, ColorScale, CurvatureOptions, Error, FaceCurvature, Mesh, MeshOptions, Place, Plane,
+    Progress, Quantity, ReadOptions, Selection, Summary, TraceOptions, Written,
 };
 use parse::parse;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -204,7 +205,7 @@ impl Convert {
     /// [`Error::Usage`].
     pub fn parse(input: &Path, output: &Path, settings: &[Setting]) -> Result<Self, Error> {
         let args: AnnotateArgs = parse::parse_with(settings, &[("output", output)], Some(input))?;
-        Ok(Convert { options: args.options()?, target: Target::of(&args)?, args })
+        Ok(Convert { options: args.options()?, target: Target::of(&args.outputs, args.stats.clone())?, args })
     }
 
     /// Threads to use; `None` for one per core.
@@ -223,6 +224,40 @@ impl Convert {
     /// Those of [`annotate`](crate::annotate()), and [`Error::Exists`].
     pub fn run(&self, progress: &dyn Progress) -> Result<Summary, Error> {
         self.target.annotate(&self.args.input.path, &self.options, progress)
+    }
+}
+
+/// The writing of `osculate annotate` as a call: a mesh and its values to a file.
+pub struct Write {
+    options: AnnotateOptions,
+    target: Target,
+    /// Threads to use; `None` for one per core.
+    pub threads: Option<usize>,
+}
+
+impl Write {
+    /// From the options of the command that say what is written and how it looks. Without `attributes` the quantities
+    /// are `selection`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`].
+    pub fn parse(output: &Path, settings: &[Setting], selection: &Selection) -> Result<Self, Error> {
+        let WriteCall { look, outputs, threads } = parse::parse_with(settings, &[("output", output)], None)?;
+        let mut options = outputs.add_to(look.options()?);
+        if !settings.iter().any(|(name, _)| name == "attributes") {
+            options.selection = selection.clone();
+        }
+        Ok(Write { options, target: Target::of(&outputs, None)?, threads: threads.threads })
+    }
+
+    /// Does it. `settings` are those that the values were estimated with.
+    ///
+    /// # Errors
+    /// Those of [`Annotated::write`], and [`Error::Exists`].
+    pub fn run(&self, annotated: &Annotated<'_>, settings: &Value, progress: &dyn Progress) -> Result<Written, Error> {
+        self.target.check_existing(&self.options)?;
+        let Target { destination, format, .. } = &self.target;
+        annotated.write(settings, destination, *format, &self.options, progress)
     }
 }
 

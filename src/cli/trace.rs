@@ -4,6 +4,7 @@ use super::Outcome;
 use super::args::TraceArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
+use super::progress::Bars;
 use osculate::{Along, End, Error, Layer, LineScene, Mesh, Output, Trace};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ pub(super) fn run(args: &TraceArgs, messages: &Messages) -> Result<Outcome, Erro
     let input = read_mesh(&args.input, &[&args.output], &args.mesh, messages)?;
     let mesh = &input.mesh;
     let seeds = args.path.seeds_on(mesh, &args.place)?;
-    let traces = osculate::trace(mesh, &seeds, &curvature, &options)?;
+    let traces = osculate::trace(mesh, &seeds, &curvature, &options, &Bars::new(messages.wants_progress()))?;
 
     let mut out = Output::create(&args.output)?;
     if extension == "csv" {

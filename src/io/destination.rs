@@ -2,7 +2,6 @@
 
 use super::{OutputFormat, gltf};
 use crate::error::Error;
-use crate::soup::Soup;
 use std::path::{Path, PathBuf};
 
 /// Where an output goes.
@@ -24,8 +23,8 @@ impl Destination {
         }
     }
 
-    /// Refuses an output that would replace the input or a file that the input names. `scales` is the
-    /// number of colour scales.
+    /// Refuses an output of `faces` faces and `scales` colour scales that would replace the input, a file that the
+    /// input names or one of `others`.
     ///
     /// # Errors
     /// [`Error::Usage`] or [`Error::Io`], with the file in question.
@@ -34,17 +33,17 @@ impl Destination {
         format: OutputFormat,
         others: &[PathBuf],
         input: &Path,
-        soup: &Soup,
-        scales: usize,
+        files: &[PathBuf],
+        [faces, scales]: [usize; 2],
     ) -> Result<(), Error> {
-        let mut outputs = self.files(format, soup.face_count(), scales);
+        let mut outputs = self.files(format, faces, scales);
         if let [document, beside @ ..] = outputs.as_slice()
             && beside.contains(document)
         {
             return Err(Error::Usage(format!("{}: a glTF document ends in .gltf", document.display())));
         }
         outputs.extend_from_slice(others);
-        check_outputs(&outputs, input, soup)
+        check_outputs(&outputs, input, files)
     }
 
     /// The first of the files that an output may replace and that is there already.
@@ -78,13 +77,13 @@ pub fn check_folder(output: &Path) -> Result<(), Error> {
     }
 }
 
-/// Refuses outputs that would replace the input, a file that the input names, or one another.
+/// Refuses outputs that would replace the input, one of `files`, which the input names, or one another.
 ///
 /// # Errors
 /// [`Error::Usage`] with the output in question.
-pub fn check_outputs(outputs: &[PathBuf], input: &Path, soup: &Soup) -> Result<(), Error> {
+pub fn check_outputs(outputs: &[PathBuf], input: &Path, files: &[PathBuf]) -> Result<(), Error> {
     let inputs: Vec<PathBuf> =
-        std::iter::once(input).chain(soup.files.iter().map(PathBuf::as_path)).map(real_path).collect();
+        std::iter::once(input).chain(files.iter().map(PathBuf::as_path)).map(real_path).collect();
     let mut seen: Vec<PathBuf> = Vec::new();
     for output in outputs {
         let real = real_path(output);

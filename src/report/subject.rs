@@ -44,7 +44,7 @@ impl Subject {
     ) -> Result<Self, Error> {
         let start = Instant::now();
         let (soup, format) = io::read_with(input, &options.read, progress)?;
-        io::check_outputs(outputs, input, &soup)?;
+        io::check_outputs(outputs, input, &soup.files)?;
         let space = Space::to_gltf(format, options.up, options.unit.filter(|_| format != InputFormat::Gltf))?;
         let stored = if options.reuse { io::stored_values(&soup)? } else { None };
         let read = start.elapsed().as_secs_f64();
@@ -57,7 +57,8 @@ impl Subject {
         let mut notes = inspection.notes.clone();
         let reused = stored.and_then(|stored| match stored.curvature(&mesh) {
             Ok(values) => {
-                keep_settings(&mut settings, &stored);
+                keep_settings(&mut settings, &stored.settings);
+                settings["reused"] = true.into();
                 notes.push(Note::info("the values are those that the file carries from an earlier run"));
                 Some(values)
             }

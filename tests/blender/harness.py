@@ -136,6 +136,11 @@ def write_ply(path, vertices, faces):
     return path
 
 
+def settings():
+    """What the panel sets."""
+    return bpy.context.scene.osculate
+
+
 def obj_of(mesh):
     return next(obj for obj in bpy.data.objects if obj.data == mesh)
 
@@ -184,6 +189,17 @@ class Case(unittest.TestCase):
                 self.assertTrue(np.array_equal(values(mesh, name), wanted), f"{mesh.name}: {column}")
                 compared.add(column)
         self.assertLessEqual(set(required), compared)
+
+
+class Fresh(Case):
+    """A test that begins with a new scene and the extension enabled."""
+
+    def setUp(self):
+        with quiet():
+            bpy.ops.wm.read_homefile(app_template="", use_empty=True)
+        if MODULE not in bpy.context.preferences.addons:
+            bpy.ops.preferences.addon_enable(module=MODULE)
+        empty()
 
 
 def main():

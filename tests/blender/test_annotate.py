@@ -4,20 +4,17 @@ import os
 import sys
 import threading
 import time
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
-from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, corners, empty, load, main, names, obj_of, only,
-                     osculate, points, quiet, select, table, values, write_ply)
+from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, corners, load, main, names, obj_of, only, osculate,
+                     points, quiet, select, settings, table, values, write_ply)
 
 import bpy
 import numpy as np
 
 REQUIRED = ("k_max", "k_min", "mean", "gauss", "dir_max", "dir_min", "radius", "coverage", "confidence")
-
-
-def settings():
-    return bpy.context.scene.osculate
 
 
 def mesh_object(vertices, faces, name="given", edges=()):
@@ -43,15 +40,6 @@ def program_on(mesh, name, *options):
     """The table of the program for the triangles of a mesh, and the face of each."""
     found, faces = triangles_of(mesh)
     return table(write_ply(FOLDER / f"{name}.ply", points(mesh), found), "--up", "z", *options), faces
-
-
-class Fresh(Case):
-    def setUp(self):
-        with quiet():
-            bpy.ops.wm.read_homefile(app_template="", use_empty=True)
-        if MODULE not in bpy.context.preferences.addons:
-            bpy.ops.preferences.addon_enable(module=MODULE)
-        empty()
 
 
 class Values(Fresh):
@@ -288,6 +276,25 @@ class Refusals(Fresh):
         self.assertEqual(values(obj.data, "_CURVATURE_CLASS").tolist(), [-1, 0])
         self.assertTrue(np.isfinite(values(obj.data, "_DIRECTION_MAX")).all())
 
+    def test_an_object_that_cannot_be_estimated_keeps_no_other_from_it(self):
+        nowhere = mesh_object([(float("nan"),) * 3] * 3, [(0, 1, 2)], "nowhere")
+        good = monkey()
+        select(nowhere, good)
+        result, said = call(bpy.ops.osculate.annotate)
+        self.assertEqual(result, {"FINISHED"}, said)
+        self.assertIn("\"nowhere\": none of the 1 faces has an area and finite coordinates", said)
+        self.assertNotIn("_CURVATURE_MEAN", nowhere.data.attributes)
+        self.assertIn("_CURVATURE_MEAN", good.data.attributes)
+
+    def test_defects_are_told_and_are_no_warnings_of_python(self):
+        select(mesh_object([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2), (0, 1, 3)]))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            said = call(bpy.ops.osculate.annotate)[1]
+            warnings.warn("somebody else's")
+        self.assertIn("1 faces without area", said)
+        self.assertEqual([str(warning.message) for warning in caught], ["somebody else's"])
+
     def test_loose_edges_are_left_out_and_said(self):
         obj = mesh_object([(0, 0, 0), (1, 0, 0), (0, 1, 0), (2, 2, 2)], [(0, 1, 2)], edges=[(1, 3)])
         select(obj)
@@ -364,7 +371,7 @@ class Panels(Fresh):
             for quantity in ("mean", "class"):
                 for by in ("class", "range"):
                     settings().quantity, settings().select_by = quantity, by
-                    for panel in package.panel._CLASSES:
+                    for panel in package.panel.PANELS:
                         layout = Layout()
                         # A panel cannot be made without a window; what it draws with, it can.
                         panel.draw(SimpleNamespace(layout=layout), bpy.context)

@@ -6,8 +6,8 @@ import struct
 import unittest
 from pathlib import Path
 
-from harness import (FIXTURES, FOLDER, MODULE, Case, annotated, call, empty, load, main, obj_of, only, osculate, quiet,
-                     select, table, values)
+from harness import (FIXTURES, FOLDER, MODULE, Fresh, annotated, call, load, main, obj_of, only, osculate, points,
+                     quiet, select, settings, table, values)
 
 import bpy
 import numpy as np
@@ -17,18 +17,7 @@ PICTURES = os.environ.get("OSCULATE_PICTURES")
 DEFAULT = ("k_max", "k_min", "mean", "gauss", "dir_max", "coverage", "confidence")
 
 
-def settings():
-    return bpy.context.scene.osculate
-
-
-class Fresh(Case):
-    def setUp(self):
-        with quiet():
-            bpy.ops.wm.read_homefile(app_template="", use_empty=True)
-        if MODULE not in bpy.context.preferences.addons:
-            bpy.ops.preferences.addon_enable(module=MODULE)
-        empty()
-
+class OnSuzanne(Fresh):
     def suzanne(self):
         path = annotated(FIXTURES / "suzanne.stl", "plain.glb", "--layout", "indexed", "--attributes", "all")
         mesh = only(load(path)[0])
@@ -36,7 +25,7 @@ class Fresh(Case):
         return mesh
 
 
-class Show(Fresh):
+class Show(OnSuzanne):
     def test_the_range_is_that_of_the_program(self):
         mesh = self.suzanne()
         for token in ("mean", "gauss", "k_max", "k_min", "curvedness", "shape_index"):
@@ -220,7 +209,7 @@ def render(camera, path, width, height, samples=1):
     return np.rint(255 * pixels.reshape(height, width, 4)[:, :, :3]).astype(int)
 
 
-class Select(Fresh):
+class Select(OnSuzanne):
     def selected(self, mesh):
         found = np.empty(len(mesh.polygons), bool)
         mesh.polygons.foreach_get("select", found)
@@ -270,7 +259,7 @@ class Select(Fresh):
         self.assertIn("active object", call(bpy.ops.osculate.select)[1])
 
 
-class Export(Fresh):
+class Export(OnSuzanne):
     def exported(self, **options):
         path = FOLDER / "exported.glb"
         with quiet() as said:
@@ -286,6 +275,18 @@ class Export(Fresh):
         first = table(FIXTURES / "suzanne.stl", "--attributes", "k_max,k_min,mean,class,coverage,confidence")
         for name in first:
             np.testing.assert_array_equal(np.nan_to_num(again[name]), np.nan_to_num(first[name]), name)
+
+    def test_edges_come_back_as_they_were(self):
+        for name in ("suzanne.stl", "fillet_part.stl", "cylinder_holes.stl"):
+            with self.subTest(name):
+                given = annotated(FIXTURES / name, f"{name}-edges.glb", "--layout", "indexed", "--feature-angle", "25")
+                first = edges_of(only(load(given)[0]))
+                again = edges_of(only(load(self.exported())[0]))
+                self.assertEqual(again.keys(), first.keys())
+                self.assertGreater(len({kind for kind, _ in first.values()}), 1)
+                for place, (kind, angle) in first.items():
+                    self.assertEqual(again[place][0], kind)
+                    self.assertAlmostEqual(again[place][1], angle, delta=0.05)
 
     def test_all_attributes_are_numbers_and_ours_only_unless_asked(self):
         mesh = self.suzanne()
@@ -336,6 +337,13 @@ class Export(Fresh):
         bpy.ops.mesh.primitive_monkey_add()
         document = document_of(self.exported())
         self.assertNotIn("extras", document["meshes"][0])
+
+
+def edges_of(mesh):
+    """Kind and angle of every edge, by where it lies."""
+    at = points(mesh)
+    ends = [tuple(sorted(tuple(at[vertex]) for vertex in edge.vertices)) for edge in mesh.edges]
+    return dict(zip(ends, zip(values(mesh, "_EDGE_KIND", "EDGE").tolist(), values(mesh, "_DIHEDRAL", "EDGE").tolist())))
 
 
 def parts_of(path):

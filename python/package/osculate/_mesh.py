@@ -18,7 +18,7 @@ from ._curvature import FaceCurvature
 from ._given import texts
 from ._lines import Disk, Polyline, Trace
 from ._progress import Progress, reporting
-from .errors import DefectWarning
+from .errors import DefectWarning, UsageTypeError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         MeshSettings,
         ReadSettings,
         TraceSettings,
+        WriteSettings,
     )
 
 Path = Union[str, "os.PathLike[str]"]
@@ -56,7 +57,7 @@ class Mesh:
     ) -> None:
         points = as_vertices(vertices)
         corners = as_faces(faces, len(points))
-        self._native = _native.Mesh.from_arrays(points, corners, bool(indexed), texts("Mesh", settings))
+        self._native = _native.Mesh.from_arrays((points, corners, bool(indexed)), texts("Mesh", settings))
         warn(self.defects)
 
     def __len__(self) -> int:
@@ -112,6 +113,36 @@ class Mesh:
             values = self._native.estimate(given, callback)
         return FaceCurvature(values, json.loads(self._native.settings(given)), self.report, self.defects)
 
+    def write(
+        self,
+        path: Path,
+        curvature: FaceCurvature,
+        *,
+        progress: Progress = None,
+        **settings: Unpack[WriteSettings],
+    ) -> dict[str, Any]:
+        """Writes the mesh with its curvature: ``path`` is .glb, .gltf, .ply, .csv or .npz.
+
+        The file is the one that ``osculate.convert`` writes; a mesh that was read from a glTF scene goes out with the
+        scene around it. It appears whole or not at all, and is replaced where it exists unless ``no_clobber``.
+
+        ``curvature`` is that of this mesh: of ``annotate``, or of ``osculate.annotate`` on the same arrays. Settings
+        are those of ``osculate.convert`` that say what is written and how it looks
+        (``osculate.settings.WriteSettings``); ``attributes`` are by default those of ``curvature``.
+
+        Gives ``settings``, ``units``, ``legend`` (range, colours and unit of the colour scale), ``notes`` and, with
+        ``select``, ``selected_faces``.
+
+        Raises ``UsageError`` where ``curvature`` has another number of faces, ``FileError`` or ``TooLargeError``.
+        """
+        if not isinstance(curvature, FaceCurvature):
+            raise UsageTypeError(f"curvature must be what annotate gives, not {type(curvature).__name__}")
+        given = texts("write", settings)
+        with reporting(progress) as callback:
+            written = self._native.write(path, curvature._values, json.dumps(curvature.settings), given, callback)
+        result: dict[str, Any] = json.loads(written)
+        return result
+
     def disk(self, **settings: Unpack[DiskSettings]) -> Disk:
         """The disk of one face: its legs, and the curvature read off them.
 
@@ -120,20 +151,24 @@ class Mesh:
         found = self._native.disk(texts("disk", settings))
         return Disk(**found)
 
-    def trace(self, **settings: Unpack[TraceSettings]) -> list[Trace]:
+    def trace(self, *, progress: Progress = None, **settings: Unpack[TraceSettings]) -> list[Trace]:
         """Paths along a principal direction: one from a place, or one from each of so many seeds.
 
         Settings: ``face``, ``at``, ``point`` or ``seeds``; ``along`` ("max"), ``steps`` (100), ``both``; and those of
         estimation. Directions are those of disks, with the default estimator too.
         """
-        return [Trace(**trace) for trace in self._native.trace(texts("trace", settings))]
+        given = texts("trace", settings)
+        with reporting(progress) as callback:
+            return [Trace(**trace) for trace in self._native.trace(given, callback)]
 
-    def section(self, plane: Sequence[float] | NDArray[Any]) -> list[Polyline]:
+    def section(self, plane: Sequence[float] | NDArray[Any], *, progress: Progress = None) -> list[Polyline]:
         """The polylines in which the plane a x + b y + c z + d = 0 cuts the mesh, ``plane`` being (a, b, c, d).
 
         A watertight mesh gives closed ones only; a plane that misses the mesh gives none.
         """
-        return [Polyline(*line) for line in self._native.section(texts("section", {"plane": plane}))]
+        given = texts("section", {"plane": plane})
+        with reporting(progress) as callback:
+            return [Polyline(*line) for line in self._native.section(given, callback)]
 
 
 def read(path: Path, *, progress: Progress = None, **settings: Unpack[ReadSettings]) -> Mesh:
@@ -177,7 +212,7 @@ def annotate(
     corners = as_faces(faces, len(points))
     given = texts("annotate", settings)
     with reporting(progress) as callback:
-        facts, values = _native.Mesh.annotate_arrays(points, corners, bool(indexed), given, callback)
+        facts, values = _native.Mesh.annotate_arrays((points, corners, bool(indexed)), given, callback)
     report, defects, used = facts
     warn(defects)
     return FaceCurvature(values, json.loads(used), json.loads(report), defects)

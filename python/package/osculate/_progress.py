@@ -9,9 +9,10 @@ from typing import Any, Optional, Union
 from .errors import MissingPackageError, UsageTypeError
 
 Callback = Callable[[str, int, int], object]
-#: None for silence, True for bars of tqdm, or a callable: it is given the stage ("read", "estimate" or "write"), how
-#: much of it is done and how much there is (bytes; faces when estimating), in the thread that made the call, some 20
-#: times a second and at the end of each stage. What it raises cancels the work and is raised by the call.
+#: None for silence, True for bars of tqdm, or a callable: it is given the stage ("read", "estimate", "write", "trace" or
+#: "cut"), how much of it is done and how much there is (bytes when reading and writing, faces when estimating and
+#: cutting, traces), in the thread that made the call, some 20 times a second and at the end of each stage. What it
+#: raises cancels the work and is raised by the call.
 Progress = Union[None, bool, Callback]
 
 
@@ -32,6 +33,9 @@ def reporting(progress: Progress) -> Iterator[Optional[Callback]]:
         raise UsageTypeError(f"progress must be True, None or a callable, not {progress!r}")
 
 
+_UNITS = {"read": "B", "estimate": " faces", "write": "B", "trace": " traces", "cut": " faces"}
+
+
 class _Bars:
     """A bar for each stage."""
 
@@ -47,8 +51,7 @@ class _Bars:
     def __call__(self, stage: str, done: int, total: int) -> None:
         if stage != self._stage:
             self.close()
-            unit = " faces" if stage == "estimate" else "B"
-            self._bar = self._tqdm(total=total, desc=stage, unit=unit, unit_scale=True)
+            self._bar = self._tqdm(total=total, desc=stage, unit=_UNITS[stage], unit_scale=True)
             self._stage = stage
         self._bar.total = total
         self._bar.update(done - self._bar.n)

@@ -152,9 +152,6 @@ class ConvertSettings(TypedDict, total=False):
     #: Default: only those beside the input and below.
     allow_folder: Union[Path, Sequence[Path]] | None
 
-    #: Output format, where the extension does not tell.
-    format: Literal["glb", "gltf", "ply", "csv", "npz"] | None
-
     # Estimation
 
     #: How curvature is estimated (default: auto).
@@ -265,6 +262,9 @@ class ConvertSettings(TypedDict, total=False):
     #: stay and Osculate's are left out.
     force: bool | None
 
+    #: With --edges: also the silhouette for this direction from the viewer to the mesh, in the input's axes.
+    view: Vector | None
+
     # Estimation
 
     #: Take the values that a glTF input carries from an earlier run instead of estimating them.
@@ -272,8 +272,8 @@ class ConvertSettings(TypedDict, total=False):
 
     # Output
 
-    #: With --edges: also the silhouette for this direction from the viewer to the mesh, in the input's axes.
-    view: Vector | None
+    #: Output format, where the extension does not tell.
+    format: Literal["glb", "gltf", "ply", "csv", "npz"] | None
 
     #: Also write a picture of the colour scales (.png or .svg).
     legend: Path | None
@@ -281,8 +281,114 @@ class ConvertSettings(TypedDict, total=False):
     #: Also write the boundary, feature and non-manifold edges as glTF lines (.glb).
     edges: Path | None
 
+    #: Fail if the output exists instead of replacing it.
+    no_clobber: bool | None
+
     #: Also write counts, seconds per stage and percentiles of the values as JSON.
     stats: Path | None
+
+    # General
+
+    #: Threads to use, 1 or more; default: one per core. The output does not depend on it.
+    threads: int | None
+
+
+class WriteSettings(TypedDict, total=False):
+    """Settings of ``Mesh.write``."""
+
+    # Output
+
+    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise.
+    up: Literal["y", "z"] | None
+
+    #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
+    unit: Literal["mm", "cm", "m", "in"] | None
+
+    #: Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss, gauss_perimeter,
+    #: shape_index, curvedness, dir_max, dir_min, radius, coverage, method, confidence; or default, all, none
+    #: (default: default).
+    attributes: Union[str, Sequence[str]] | None
+
+    #: Write only the faces that fulfil a condition, such as class=hyperbolic or "k_max>0.1 and mean=-1:1".
+    #: Comparisons, joined by and, of a CSV column with a number in the input's unit (=, !=, <, <=, >, >=), with a
+    #: range LOW:HIGH (=, !=), or of class and method with names separated by commas. Values, colours and --edges
+    #: stay those of the whole mesh.
+    select: str | None
+
+    #: Quantity that the colours show (default: mean).
+    color_by: Literal[
+        "mean",
+        "gauss",
+        "k_max",
+        "k_min",
+        "gauss_perimeter",
+        "shape_index",
+        "curvedness",
+        "class",
+        "none",
+    ] | None
+
+    #: Colours; default: blue-red for signed quantities, viridis for others, one colour per class.
+    colormap: Literal[
+        "blue-red",
+        "purple-orange",
+        "purple-green",
+        "brown-green",
+        "viridis",
+        "cividis",
+        "magma",
+        "inferno",
+        "plasma",
+        "turbo",
+        "greys",
+    ] | None
+
+    #: Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th percentile of
+    #: the magnitudes. Of several variants it is the first's (default: auto).
+    range: Union[tuple[float, float], str] | None
+
+    #: Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants), separated by
+    #: commas; --color-by is shown first where it is among them, otherwise the first is.
+    variants: Union[str, Sequence[str]] | None
+
+    #: How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear light (by the
+    #: specification), vertex colours in sRGB (for MeshLab), or not at all (default: texture).
+    color: Literal["texture", "vertex", "vertex-srgb", "none"] | None
+
+    #: How glTF attaches values to faces: vertices of its own for every face with values as attributes (right in
+    #: every client), or vertices shared as in the input and values in an extension of the primitive (under half the
+    #: size, without colours, for readers that know it) (default: faces).
+    layout: Literal["faces", "indexed"] | None
+
+    #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
+    #: vertex quality and properties; NPZ: arrays vertex_.
+    vertex_values: bool | None
+
+    #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
+    #: and its kin; some 50 bytes more for each face.
+    metadata: bool | None
+
+    #: Compress what is added to a glTF file, for delivery over the web (EXT_meshopt_compression). Clients then
+    #: lose: opening the file at all where they do not know the extension (MeshLab, Blender, trimesh, VTK and others
+    #: refuse it); positions to less than 1/65536 of the mesh's size (those of a glTF input stay exact); curvatures
+    #: and radii beyond 16 significant bits; directions, shares and shape index beyond 1/32768 (default: none).
+    compress: Literal["none", "meshopt"] | None
+
+    #: Replace attributes of a glTF input that have one of the names above but come from elsewhere; without it they
+    #: stay and Osculate's are left out.
+    force: bool | None
+
+    #: With --edges: also the silhouette for this direction from the viewer to the mesh, in the input's axes.
+    view: Vector | None
+
+    #: Output format, where the extension does not tell.
+    format: Literal["glb", "gltf", "ply", "csv", "npz"] | None
+
+    #: Also write a picture of the colour scales (.png or .svg).
+    legend: Path | None
+
+    #: Also write the boundary, feature and non-manifold edges as glTF lines (.glb).
+    edges: Path | None
 
     #: Fail if the output exists instead of replacing it.
     no_clobber: bool | None
@@ -421,15 +527,15 @@ class BatchSettings(TypedDict, total=False):
     #: stay and Osculate's are left out.
     force: bool | None
 
+    #: With --edges: also the silhouette for this direction from the viewer to the mesh, in the input's axes.
+    view: Vector | None
+
     # Estimation
 
     #: Take the values that a glTF input carries from an earlier run instead of estimating them.
     reuse: bool | None
 
     # Output
-
-    #: With --edges: also the silhouette for this direction from the viewer to the mesh, in the input's axes.
-    view: Vector | None
 
     #: Also write a picture of the colour scales beside each output, as NAME.legend.png or .svg.
     legend: Literal["png", "svg"] | None

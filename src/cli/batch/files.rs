@@ -4,10 +4,10 @@ use super::journal::{Counts, Status};
 use crate::cli::annotate::Target;
 use crate::cli::args::BatchArgs;
 use crate::cli::choices::PictureFormat;
-use osculate::{AnnotateOptions, Destination, Error, NoProgress, Note, OutputFormat, Summary};
+use osculate::{AnnotateOptions, Destination, Error, Note, OutputFormat, Progress, Summary};
 use serde::Serialize;
 use std::io::ErrorKind;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -89,11 +89,12 @@ impl Batch {
         }
     }
 
-    /// Annotates a file, whatever is in it, and tells what became of it. Threads are those of the caller's pool.
-    pub fn annotate(&self, input: &Path, output: &Path) -> Done {
+    /// Annotates a file, whatever is in it, and tells what became of it. Threads are those of the caller's pool. Only an
+    /// unwinding of `progress` comes through.
+    pub fn annotate(&self, input: &Path, output: &Path, progress: &dyn Progress) -> Done {
         let start = Instant::now();
         // A panic is a mistake of ours, but not one that the other files should suffer from.
-        let result = catch_unwind(AssertUnwindSafe(|| self.try_annotate(input, output)));
+        let result = catch_unwind(AssertUnwindSafe(|| self.try_annotate(input, output, progress)));
         let seconds = start.elapsed().as_secs_f64();
         let failed = |message: String, transient: bool| Done {
             status: Status::Failed,
@@ -116,11 +117,14 @@ impl Batch {
                 }
             }
             Ok(Err(error)) => failed(error.to_string(), is_transient(&error)),
-            Err(_) => failed(format!("{}: {PANIC}", input.display()), false),
+            Err(panic) if panic.is::<String>() || panic.is::<&str>() => {
+                failed(format!("{}: {PANIC}", input.display()), false)
+            }
+            Err(cancel) => resume_unwind(cancel),
         }
     }
 
-    fn try_annotate(&self, input: &Path, output: &Path) -> Result<Summary, Error> {
+    fn try_annotate(&self, input: &Path, output: &Path, progress: &dyn Progress) -> Result<Summary, Error> {
         if let Some(folder) = output.parent() {
             std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, "create", e))?;
         }
@@ -131,7 +135,7 @@ impl Batch {
             stats: options.reserved.first().cloned(),
             no_clobber: self.no_clobber,
         };
-        target.annotate(input, &options, &NoProgress)
+        target.annotate(input, &options, progress)
     }
 }
 

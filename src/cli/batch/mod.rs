@@ -12,7 +12,7 @@ use super::messages::Messages;
 use bar::FilesBar;
 use inputs::{Found, Job};
 use journal::{Journal, Record};
-use osculate::Error;
+use osculate::{Error, NoProgress};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -52,8 +52,8 @@ pub(super) fn run(args: &BatchArgs, messages: &Messages) -> Result<Outcome, Erro
     let bar = FilesBar::new(left.len(), messages);
     let shared = Mutex::new((tally, Ok(())));
     share::over(&left, |job| {
-        let record =
-            Record::of(job, batch.fingerprint()).with(batch.annotate(&job.input, &args.output.join(&job.output)));
+        let done = batch.annotate(&job.input, &args.output.join(&job.output), &NoProgress);
+        let record = Record::of(job, batch.fingerprint()).with(done);
         let written = journal.write(&record);
         let goes_on = written.is_ok();
         if record.message.is_some() {

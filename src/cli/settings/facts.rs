@@ -2,7 +2,7 @@
 
 use super::super::args::{
     AnnotateArgs, ArraysCall, BatchArgs, BuildCall, ColorsArgs, DiskCall, EstimateCall, InspectCall, PlaneArgs,
-    ReadCall, TraceCall,
+    ReadCall, TraceCall, WriteCall,
 };
 use clap::{Arg, ArgAction, Args, Command};
 use serde::Serialize;
@@ -39,7 +39,7 @@ pub struct SettingFacts {
 }
 
 /// The settings of a call: `Mesh`, `read`, `annotate` (of arrays), `estimate` (of a mesh), `colors`, `convert`,
-/// `inspect`, `disk`, `trace` or `section`. `None` for another name.
+/// `batch`, `write` (of a mesh and its values), `inspect`, `disk`, `trace` or `section`. `None` for another name.
 pub fn facts(call: &str) -> Option<Vec<SettingFacts>> {
     let of = match call {
         "Mesh" => of::<BuildCall>,
@@ -48,6 +48,7 @@ pub fn facts(call: &str) -> Option<Vec<SettingFacts>> {
         "estimate" => of::<EstimateCall>,
         "convert" => of::<AnnotateArgs>,
         "batch" => of::<BatchArgs>,
+        "write" => of::<WriteCall>,
         "inspect" => of::<InspectCall>,
         "colors" => of::<ColorsArgs>,
         "disk" => of::<DiskCall>,
@@ -104,8 +105,8 @@ mod tests {
 
     #[test]
     fn every_call_has_settings_with_help() {
-        for call in ["Mesh", "read", "annotate", "estimate", "colors", "convert", "inspect", "disk", "trace", "section"]
-        {
+        let calls = ["Mesh", "read", "annotate", "estimate", "colors", "convert", "batch", "write", "inspect", "disk"];
+        for call in calls.into_iter().chain(["trace", "section"]) {
             let facts = facts(call).unwrap_or_default();
             assert!(!facts.is_empty(), "{call}");
             for fact in facts {

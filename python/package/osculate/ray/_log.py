@@ -17,6 +17,7 @@ from typing import IO, Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from ._lease import Lease
 from ._lock import try_lock
 from ._store import Store
 
@@ -64,13 +65,14 @@ class Log:
     """The log of an output folder, open for adding to."""
 
     def __init__(self, store: Store, folder: str, resume: bool) -> None:
-        """Opens the log, and locks it where it is local.
+        """Opens the log and locks it: by the system's locks where it is local, by a lease where others see it.
 
         Raises:
             BlockingIOError: While another program writes to it.
         """
         self._store, self._folder = store, folder
         self._file: IO[bytes] | None = None
+        self._lease: Lease | None = None
         self._waiting: list[bytes] = []
         self._since = time.monotonic()
         # Parts are read in the order of their names.
@@ -82,6 +84,8 @@ class Log:
             if not try_lock(self._file):
                 self._file.close()
                 raise BlockingIOError(f"{folder}: another batch is writing to this folder; wait for it to end")
+        elif not store.is_private:
+            self._lease = Lease(store, folder)
         if not resume:
             self._forget()
 
@@ -120,6 +124,8 @@ class Log:
 
     def add(self, records: Iterable[Record]) -> None:
         """Adds a line for each, all of them with one write."""
+        if self._lease is not None:
+            self._lease.check()
         lines = [json.dumps({key: record[key] for key in _KEYS}).encode() + b"\n" for record in records]
         if self._file is not None:
             self._file.write(b"".join(lines))
@@ -140,6 +146,9 @@ class Log:
         """Writes what still waits, and makes one file of all parts."""
         try:
             self._put()
+            if self._lease is not None:
+                # Whoever has taken over reads the parts; the log is theirs.
+                self._lease.check()
             if parts := self._parts():
                 self._store.put(posixpath.join(self._folder, LOG), b"".join(line + b"\n" for line in self._lines()))
                 for part in parts:
@@ -148,6 +157,8 @@ class Log:
         finally:
             if self._file is not None:
                 self._file.close()
+            if self._lease is not None:
+                self._lease.close()
 
     def __enter__(self) -> Log:
         return self
