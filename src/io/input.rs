@@ -130,7 +130,7 @@ pub fn read_with(path: &Path, options: &ReadOptions, progress: &dyn Progress) ->
 }
 
 /// What is read from a file at a time: little enough to stay in the processor's cache.
-const WINDOW: usize = 1 << 18;
+const WINDOW: usize = 1 << 16;
 
 fn read_from(path: &Path, options: &ReadOptions, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
     let failed = |e| Error::io(called(path), "read", e);

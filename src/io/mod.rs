@@ -1,6 +1,7 @@
 //! Reading and writing files. Readers hand over what a file says; they weld and repair nothing.
 
 mod blocks;
+mod corners;
 mod csv;
 mod destination;
 mod folders;
