@@ -77,7 +77,8 @@ impl<C: Coordinate> Corners<C> {
             self.begin_block();
         }
         let triangle = if self.is_sharing {
-            corners.map(|corner| self.number(corner))
+            let [a, b, c] = corners;
+            [self.number(a), self.number(b), self.number(c)]
         } else {
             let first = self.positions.len() as u32;
             self.positions.extend(corners);
@@ -99,11 +100,11 @@ impl<C: Coordinate> Corners<C> {
 
     #[inline]
     fn number(&mut self, corner: [C; 3]) -> u32 {
-        let [x, y, z] = corner.map(C::bits);
+        let [x, y, z] = bits(corner);
         let mixed = (x ^ y.rotate_left(32)) ^ z.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let hash = mixed.wrapping_mul(0xd6e8_feb8_6659_fd93) >> (u64::BITS - SLOTS.ilog2());
         let slot = &mut self.slots[hash as usize % SLOTS];
-        let is_known = self.positions.get(*slot as usize).is_some_and(|known| known.map(C::bits) == [x, y, z]);
+        let is_known = self.positions.get(*slot as usize).is_some_and(|&known| bits(known) == [x, y, z]);
         if !is_known {
             *slot = self.positions.len() as u32;
             self.positions.push(corner);
@@ -114,6 +115,11 @@ impl<C: Coordinate> Corners<C> {
     pub(super) fn into_soup(self) -> Soup {
         Soup::new(C::positions(self.positions), self.triangles)
     }
+}
+
+#[inline]
+fn bits<C: Coordinate>([x, y, z]: [C; 3]) -> [u64; 3] {
+    [x.bits(), y.bits(), z.bits()]
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod corners;
 mod csv;
 mod destination;
 mod folders;
+mod foreign;
 mod gltf;
 mod gzip;
 mod input;

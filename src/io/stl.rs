@@ -26,11 +26,16 @@ pub(super) fn binary_count(start: &[u8], length: u64) -> Option<u64> {
 
 /// True when the file begins as an ASCII STL and goes on as one.
 pub(super) fn is_ascii(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(4096)];
-    let mut words = text::words(start).map(<[u8]>::to_ascii_lowercase);
+    let start = Lines::new(&bytes[..bytes.len().min(4096)]).filter(|(_, line)| !is_comment(line));
+    let mut words = start.flat_map(|(_, line)| text::words(line)).map(<[u8]>::to_ascii_lowercase);
     text::is_text(bytes)
         && words.next().is_some_and(|word| word == b"solid")
         && words.any(|word| word == b"facet" || word == b"endsolid")
+}
+
+/// Some programs write them, though the format has none.
+fn is_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start(), [b';' | b'#', ..])
 }
 
 /// The number of triangles in a binary file's header.
@@ -188,7 +193,9 @@ impl Ascii {
 
     /// Reads the words of a line, of which there may be several statements.
     fn line(&mut self, line: u64, content: &[u8]) -> Result<(), ParseError> {
-        let content = content.trim_ascii();
+        if is_comment(content) {
+            return Ok(());
+        }
         let mut words = text::words(content);
         let error = |what: String| Err(ParseError::line(line, what));
         while let Some(word) = words.next() {
@@ -207,7 +214,7 @@ impl Ascii {
                 b"vertex" => {
                     for coordinate in &mut self.facet[self.in_facet] {
                         let Some(value) = words.number() else {
-                            return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
+                            return error(text::no_vertex(content));
                         };
                         *coordinate = value;
                     }
@@ -223,8 +230,8 @@ impl Ascii {
                     return error(format!("a facet ends after {} of three vertices", self.in_facet));
                 }
                 b"endfacet" | b"facet" => self.in_facet = 0,
-                // Nobody needs the normal, and some programs write words where its numbers belong.
-                b"normal" => drop(words.by_ref().take(3).count()),
+                // Nobody needs the normal, and some programs write words where its numbers belong, or colours.
+                b"normal" | b"color" => drop(words.by_ref().take(3).count()),
                 b"outer" | b"loop" | b"endloop" => {}
                 b"solid" => {
                     let start = self.corners.face_count() as u32;
@@ -344,6 +351,9 @@ mod tests {
             format!("solid my facet part\n{FACET}endsolid my facet part\n"),
             format!("solid\n{FACET}{}{FACET}endsolid\n", FACET.replace('\n', " ") + "\n"),
             format!("solid\n{FACET}endsolid\nleft behind\n"),
+            format!("; made by a program\n# and another\n  solid x\n{FACET}endsolid x"),
+            format!("solid x\ncolor 1 0.5 0\n{}endsolid x", FACET.replace("facet n", "color 1 0 0\nfacet n")),
+            format!("solid x\n{}endsolid x", FACET.replace("0 0 1\no", "-nan(ind) 1.#QNAN -1.#IND\no")),
             format!("solid\n{FACET}endsolid\n"),
             format!("  solid  a name\n{FACET}{FACET}"),
             format!("SOLID x\n{}ENDSOLID", FACET.to_uppercase()),
