@@ -49,14 +49,23 @@ pub(super) struct Corners<C> {
     /// The last position of each hash.
     slots: Box<[u32; SLOTS]>,
     is_sharing: bool,
-    /// Positions when the current block began.
-    before: usize,
+    blocks: usize,
+    /// Faces of the current block, and positions that they added.
+    faces_in_block: usize,
+    new_in_block: usize,
 }
 
 impl<C: Coordinate> Corners<C> {
     pub(super) fn new() -> Self {
-        let (positions, triangles) = (Vec::new(), Vec::new());
-        Corners { positions, triangles, slots: Box::new([0; SLOTS]), is_sharing: true, before: 0 }
+        Corners {
+            positions: Vec::new(),
+            triangles: Vec::new(),
+            slots: Box::new([0; SLOTS]),
+            is_sharing: true,
+            blocks: 0,
+            faces_in_block: 0,
+            new_in_block: 0,
+        }
     }
 
     /// Makes room for so many faces, which must be known to be there.
@@ -70,51 +79,60 @@ impl<C: Coordinate> Corners<C> {
         self.triangles.len()
     }
 
-    /// Adds a face. There may be up to [`MAX_FACES`](crate::soup::MAX_FACES).
+    /// Adds faces, of which there may be [`MAX_FACES`](crate::soup::MAX_FACES) in all. Many at a time take
+    /// half as long.
     #[inline]
-    pub(super) fn add(&mut self, corners: [[C; 3]; 3]) {
-        if self.triangles.len().is_multiple_of(BLOCK) {
-            self.begin_block();
-        }
-        let triangle = if self.is_sharing {
-            let [a, b, c] = corners;
-            [self.number(a), self.number(b), self.number(c)]
+    pub(super) fn extend(&mut self, faces: impl ExactSizeIterator<Item = [[C; 3]; 3]>) {
+        let (count, before) = (faces.len(), self.positions.len());
+        let Corners { positions, triangles, slots, .. } = self;
+        if self.is_sharing {
+            let mut number = |corner| number(corner, positions, slots);
+            triangles.extend(faces.map(|[a, b, c]| [number(a), number(b), number(c)]));
         } else {
-            let first = self.positions.len() as u32;
-            self.positions.extend(corners);
-            [first, first + 1, first + 2]
-        };
-        self.triangles.push(triangle);
+            let first = before as u32;
+            positions.extend(faces.flatten());
+            triangles.extend((0..count as u32).map(|f| 3 * f + first).map(|a| [a, a + 1, a + 2]));
+        }
+        self.faces_in_block += count;
+        self.new_in_block += self.positions.len() - before;
+        if self.faces_in_block >= BLOCK {
+            self.end_block();
+        }
     }
 
     /// Faces in no order at all share nothing soon: looking would be in vain.
-    fn begin_block(&mut self) {
-        let new = self.positions.len() - self.before;
+    fn end_block(&mut self) {
+        self.blocks += 1;
         self.is_sharing = if self.is_sharing {
-            new < 5 * BLOCK / 2
+            2 * self.new_in_block < 5 * self.faces_in_block
         } else {
-            (self.triangles.len() / BLOCK).is_multiple_of(LOOK_EVERY)
+            self.blocks.is_multiple_of(LOOK_EVERY)
         };
-        self.before = self.positions.len();
-    }
-
-    #[inline]
-    fn number(&mut self, corner: [C; 3]) -> u32 {
-        let [x, y, z] = bits(corner);
-        let mixed = (x ^ y.rotate_left(32)) ^ z.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let hash = mixed.wrapping_mul(0xd6e8_feb8_6659_fd93) >> (u64::BITS - SLOTS.ilog2());
-        let slot = &mut self.slots[hash as usize % SLOTS];
-        let is_known = self.positions.get(*slot as usize).is_some_and(|&known| bits(known) == [x, y, z]);
-        if !is_known {
-            *slot = self.positions.len() as u32;
-            self.positions.push(corner);
-        }
-        *slot
+        (self.faces_in_block, self.new_in_block) = (0, 0);
     }
 
     pub(super) fn into_soup(self) -> Soup {
         Soup::new(C::positions(self.positions), self.triangles)
     }
+}
+
+/// The number of a position that was seen not long ago, or a new one.
+#[inline]
+fn number<C: Coordinate>(corner: [C; 3], positions: &mut Vec<[C; 3]>, slots: &mut [u32; SLOTS]) -> u32 {
+    let [x, y, z] = bits(corner);
+    let mixed = (x ^ y.rotate_left(32)) ^ z.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let hash = mixed.wrapping_mul(0xd6e8_feb8_6659_fd93) >> (u64::BITS - SLOTS.ilog2());
+    let slot = &mut slots[hash as usize % SLOTS];
+    let is_known = positions.get(*slot as usize).is_some_and(|&known| {
+        // Arrays would be compared in memory, which takes longer than all the rest.
+        let [u, v, w] = bits(known);
+        (u ^ x) | (v ^ y) | (w ^ z) == 0
+    });
+    if !is_known {
+        *slot = positions.len() as u32;
+        positions.push(corner);
+    }
+    *slot
 }
 
 #[inline]
@@ -140,7 +158,7 @@ mod tests {
     fn soup_of(faces: &[[[f32; 3]; 3]]) -> Soup {
         let mut corners = Corners::new();
         corners.try_reserve(faces.len()).expect("memory");
-        faces.iter().for_each(|&face| corners.add(face));
+        faces.chunks(700).for_each(|some| corners.extend(some.iter().copied()));
         corners.into_soup()
     }
 

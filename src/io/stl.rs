@@ -113,7 +113,7 @@ fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
     while corners.face_count() < count {
         let (whole, _) = stream.fill_buf()?.as_chunks::<RECORD>();
         let whole = &whole[..whole.len().min(count - corners.face_count())];
-        whole.iter().for_each(|record| corners.add(corners_of(record)));
+        corners.extend(whole.iter().map(corners_of));
         let used = RECORD * whole.len();
         if used > 0 {
             stream.consume(used);
@@ -121,7 +121,7 @@ fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
             // It begins in one window and ends in the next.
             let mut record = [0; RECORD];
             stream.read_exact(&mut record)?;
-            corners.add(corners_of(&record));
+            corners.extend(std::iter::once(corners_of(&record)));
         }
     }
     Ok(corners.into_soup())
@@ -223,7 +223,7 @@ impl Ascii {
                         if self.corners.face_count() == MAX_FACES {
                             return error(format!("the {MAX_FACES} facets before it are all that can be handled"));
                         }
-                        self.corners.add(self.facet);
+                        self.corners.extend(std::iter::once(self.facet));
                     }
                 }
                 b"endfacet" | b"facet" if !self.in_facet.is_multiple_of(3) => {

@@ -39,7 +39,7 @@ pub struct SettingFacts {
 }
 
 /// The settings of a call: `Mesh`, `read`, `annotate` (of arrays), `estimate` (of a mesh), `colors`, `convert`,
-/// `inspect`, `disk`, `trace` or `section`. `None` for another name.
+/// `batch`, `inspect`, `disk`, `trace` or `section`. `None` for another name.
 pub fn facts(call: &str) -> Option<Vec<SettingFacts>> {
     let of = match call {
         "Mesh" => of::<BuildCall>,
@@ -104,8 +104,9 @@ mod tests {
 
     #[test]
     fn every_call_has_settings_with_help() {
-        for call in ["Mesh", "read", "annotate", "estimate", "colors", "convert", "inspect", "disk", "trace", "section"]
-        {
+        for call in [
+            "Mesh", "read", "annotate", "estimate", "colors", "convert", "batch", "inspect", "disk", "trace", "section",
+        ] {
             let facts = facts(call).unwrap_or_default();
             assert!(!facts.is_empty(), "{call}");
             for fact in facts {
