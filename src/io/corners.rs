@@ -165,9 +165,9 @@ mod tests {
     #[test]
     fn corners_keep_their_positions_to_the_bit() {
         let odd = [[-0.0, 0.0, f32::NAN], [0.0, -0.0, f32::NAN], [0.0, 0.0, -f32::NAN]];
-        for (faces, most) in [(faces(1), 1.0), (faces(7919), 3.0), (vec![odd; 3000], 2e-3)] {
+        for (faces, most) in [(faces(1), 1.0), (faces(7919), 3.0), (vec![odd; 3000], 1e-3)] {
             let soup = soup_of(&faces);
-            assert!((soup.positions.len() as f64) < most * faces.len() as f64, "{}", soup.positions.len());
+            assert!(soup.positions.len() as f64 <= most * faces.len() as f64, "{}", soup.positions.len());
             let Positions::F32(positions) = &soup.positions else { panic!("floats stay floats") };
             let read =
                 soup.triangles.iter().map(|face| face.map(|corner| positions[corner as usize].map(f32::to_bits)));
