@@ -160,7 +160,8 @@ impl Note {
 /// included. Bodies cover all faces, in order, without gaps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Soup {
-    /// Vertex positions, in the file's own axes and units.
+    /// Vertex positions, in the file's own axes and units. Where a file gives each corner its own (STL), some that
+    /// are equal to the bit are one.
     pub positions: Positions,
     /// Three indices into `positions` per face, in the file's winding.
     pub triangles: Vec<[u32; 3]>,

@@ -1,7 +1,7 @@
 //! Inputs: where the bytes come from and which reader they are for.
 
 use super::folders::Folders;
-use super::{gltf, gzip, obj, off, ply, stl, text, threemf};
+use super::{foreign, gltf, gzip, obj, off, ply, stl, text, threemf};
 use crate::error::{Error, ParseError};
 use crate::progress::{Progress, Stage};
 use crate::soup::{Original, Soup};
@@ -78,7 +78,13 @@ impl InputFormat {
             _ if obj::looks_like(content) => return Ok(InputFormat::Obj),
             _ => {}
         }
-        match InputFormat::of_extension(path) {
+        let extension = InputFormat::of_extension(path);
+        // A binary STL may begin with anything.
+        let is_told = extension != Some(InputFormat::Stl) || text::is_text(content);
+        if let Some(sentence) = foreign::sentence(content).filter(|_| is_told) {
+            return Err(ParseError::file(sentence));
+        }
+        match extension {
             Some(format @ (InputFormat::Stl | InputFormat::Obj)) => Ok(format),
             Some(format) => Err(ParseError::file(format!("the content is not {}", format.name()))),
             None => Err(ParseError::file("the content is none of STL, OBJ, PLY, OFF, 3MF and glTF")),
@@ -130,7 +136,7 @@ pub fn read_with(path: &Path, options: &ReadOptions, progress: &dyn Progress) ->
 }
 
 /// What is read from a file at a time: little enough to stay in the processor's cache.
-const WINDOW: usize = 1 << 18;
+const WINDOW: usize = 1 << 16;
 
 fn read_from(path: &Path, options: &ReadOptions, progress: &dyn Progress) -> Result<(Soup, InputFormat), Error> {
     let failed = |e| Error::io(called(path), "read", e);

@@ -1,9 +1,11 @@
 //! Reading and writing files. Readers hand over what a file says; they weld and repair nothing.
 
 mod blocks;
+mod corners;
 mod csv;
 mod destination;
 mod folders;
+mod foreign;
 mod gltf;
 mod gzip;
 mod input;

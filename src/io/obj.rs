@@ -47,7 +47,7 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
     let mut lines = Lines::new(bytes);
     while let Some((line, first)) = lines.next() {
         let joined;
-        let content = if first.trim_ascii_end().ends_with(b"\\") {
+        let content = if goes_on(first) {
             joined = join_continued(first, &mut lines);
             joined.as_slice()
         } else {
@@ -57,7 +57,8 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
         let mut words = text::words(content);
         match words.next() {
             Some(b"v") => positions.push(position(words, line, content)?),
-            Some(b"f") => {
+            // The old name of faces.
+            Some(b"f" | b"fo") => {
                 let corners = polygons.push(words, positions.len(), line)?;
                 if corners < 3 {
                     polygons.drop_last(corners);
@@ -126,15 +127,21 @@ fn look_for(libraries: &[(u64, String)], folders: Folders<'_>, soup: &mut Soup) 
     }
 }
 
-/// A line that ends in a backslash goes on in the next.
+/// A line that ends in a backslash goes on in the next, but not the path of a folder in a comment.
+fn goes_on(line: &[u8]) -> bool {
+    line.trim_ascii_end().ends_with(b"\\") && text::without_comment(line).len() == line.len()
+}
+
 fn join_continued(first: &[u8], lines: &mut Lines<'_>) -> Vec<u8> {
-    let mut joined = first.trim_ascii_end().to_vec();
-    while joined.last() == Some(&b'\\') {
+    let mut joined = Vec::new();
+    let mut line = first;
+    while goes_on(line) {
+        joined.extend_from_slice(line.trim_ascii_end());
         joined.pop();
         joined.push(b' ');
-        let Some((_, next)) = lines.next() else { break };
-        joined.extend_from_slice(next.trim_ascii_end());
+        line = lines.next().map_or(&[], |(_, next)| next);
     }
+    joined.extend_from_slice(line);
     joined
 }
 
@@ -142,9 +149,7 @@ fn join_continued(first: &[u8], lines: &mut Lines<'_>) -> Vec<u8> {
 fn position(mut words: Words<'_>, line: u64, content: &[u8]) -> Result<[f64; 3], ParseError> {
     let mut point = [0.0; 3];
     for coordinate in &mut point {
-        *coordinate = words.number().ok_or_else(|| {
-            ParseError::line(line, format!("a vertex has three numbers, not {}", text::quoted(content.trim_ascii())))
-        })?;
+        *coordinate = words.number().ok_or_else(|| ParseError::line(line, text::no_vertex(content)))?;
     }
     Ok(point)
 }
@@ -283,6 +288,10 @@ mod tests {
             "f -4 -3 -2 -1",
             "f 1 2 \\\n 3 4 # four",
             "f  1/1/1\t2/2/2 3/3/3 4/4/4\r",
+            "fo 1 2 3 4",
+            "# C:\\meshes\\\nf 1 2 3 4",
+            "f 1 2 3 4 # C:\\meshes\\\nv 9 9 9",
+            "f 1 2 \\\n3 4 # C:\\meshes\\\nv 9 9 9",
         ] {
             assert_eq!(faces(&format!("{SQUARE}{face}\n")), two, "{face}");
         }
@@ -293,6 +302,14 @@ mod tests {
     fn vertices_may_carry_weights_and_colours() {
         let soup = read(b"v 1 2 3 1.0\nv 4 5 6 0.1 0.2 0.3\nv 7 8 9 1 0.1 0.2 0.3\nf 1 2 3", None).expect("readable");
         assert_eq!(soup.positions, Positions::F64(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]));
+    }
+
+    #[test]
+    fn vertices_without_numbers_are_kept_as_such() {
+        let soup =
+            read(format!("{SQUARE}v -1.#IND 1.#INF -nan(ind)\nf 1 2 3 # four").as_bytes(), None).expect("readable");
+        assert_eq!((soup.face_count(), soup.positions.len()), (1, 5));
+        assert!(soup.positions.get(4).is_nan());
     }
 
     #[test]
@@ -347,6 +364,8 @@ mod tests {
             assert!(error.starts_with(line), "{error}");
         }
         assert!(read(b"v 1 2\n", None).expect_err("two numbers").to_string().starts_with("line 1: "));
+        let error = read(b"v 1,5 2,5 3\n", None).expect_err("commas").to_string();
+        assert!(error.starts_with("line 1: ") && error.ends_with("a point, not a comma"), "{error}");
         assert!(read(b"v 1 2 3\n", None).expect_err("a point").to_string().contains("no faces"));
         let soup = read(format!("{SQUARE}f 1 2\nf 1 2 3\n").as_bytes(), None).expect("one face is good");
         assert!(soup.face_count() == 1 && soup.notes[0].repaired && soup.notes[0].message.contains("line 5"));

@@ -39,6 +39,14 @@ impl Kind {
         Some(kind)
     }
 
+    /// The kind that a word begins with, and what of it is behind: thousands of files of ModelNet have the
+    /// first count there, without a space.
+    fn at_start_of(word: &[u8]) -> Option<(Self, &[u8])> {
+        let end = word.windows(3).position(|three| three == b"OFF")? + 3;
+        let (keyword, count) = word.split_at(end);
+        Kind::of(keyword).filter(|_| count.iter().all(u8::is_ascii_digit)).map(|kind| (kind, count))
+    }
+
     /// Numbers of a position.
     fn coordinates(self) -> usize {
         if self.homogeneous { 4 } else { 3 }
@@ -58,7 +66,7 @@ impl Kind {
 /// True when the first word is one of OFF's keywords.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let mut lines = Lines::new(bytes).take(1000).map(|(_, line)| text::without_comment(line));
-    lines.find_map(|line| text::words(line).next()).is_some_and(|word| Kind::of(word).is_some())
+    lines.find_map(|line| text::words(line).next()).is_some_and(|word| Kind::at_start_of(word).is_some())
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
@@ -72,15 +80,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
             return Err(ParseError::file("the file ends before its counts of vertices, faces and edges"));
         };
         let mut rest = text::words(text::without_comment(content)).peekable();
-        if let Some(found) = rest.peek().and_then(|word| Kind::of(word)).filter(|_| words.is_empty()) {
+        let before = words.len();
+        if let Some((found, count)) = rest.peek().and_then(|word| Kind::at_start_of(word)).filter(|_| before == 0) {
             kind = found;
             rest.next();
+            words.extend((!count.is_empty()).then_some((line, count)));
             if rest.peek().is_some_and(|word| *word == b"BINARY") {
                 return Binary { bytes, at: bytes.len() - lines.rest().len() }.read(kind);
             }
             needed = if kind.dimension_follows { 4 } else { 3 };
         }
-        let before = words.len();
         words.extend(rest.map(|word| (line, word)));
         // Some writers leave out the number of edges, which nobody needs.
         if words.len() + 1 == needed && words.len() - before >= 2 {
@@ -117,9 +126,7 @@ fn read_ascii(kind: Kind, vertices: usize, faces: usize, header: u64, lines: Lin
         if positions.len() < vertices {
             let mut numbers = [1.0; 4];
             for number in &mut numbers[..kind.coordinates()] {
-                *number = words.number().ok_or_else(|| {
-                    ParseError::line(line, format!("a vertex has three numbers, not {}", text::quoted(content)))
-                })?;
+                *number = words.number().ok_or_else(|| ParseError::line(line, text::no_vertex(content)))?;
             }
             positions.push(kind.position(numbers));
         } else if left > 0 {
@@ -231,6 +238,8 @@ mod tests {
             format!("OFF\n4 2 0\n{BODY}"),
             format!("OFF 4 2 0\n{BODY}"),
             format!("4 2 0\n{BODY}"),
+            format!("OFF4 2 0\n{BODY}"),
+            format!("nOFF3\n4 2 0\n{BODY}"),
             format!("OFF\n4 2\n{BODY}"),
             format!("# made by hand\n\nOFF # comment\n\n# more\n4\n2\n0\n{BODY}"),
             format!("nOFF\n3\n4 2 0\n{BODY}"),

@@ -3,9 +3,10 @@
 //! Binary files are read in windows, so that a file of gigabytes is never in memory besides its
 //! triangles; their number is that which the file really holds, whatever its header says.
 
+use super::corners::Corners;
 use super::text::{self, Lines, Words};
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
+use crate::soup::{Group, MAX_FACES, Note, Soup};
 use std::array::from_fn;
 use std::io::{self, BufRead};
 
@@ -25,11 +26,16 @@ pub(super) fn binary_count(start: &[u8], length: u64) -> Option<u64> {
 
 /// True when the file begins as an ASCII STL and goes on as one.
 pub(super) fn is_ascii(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(4096)];
-    let mut words = text::words(start).map(<[u8]>::to_ascii_lowercase);
+    let start = Lines::new(&bytes[..bytes.len().min(4096)]).filter(|(_, line)| !is_comment(line));
+    let mut words = start.flat_map(|(_, line)| text::words(line)).map(<[u8]>::to_ascii_lowercase);
     text::is_text(bytes)
         && words.next().is_some_and(|word| word == b"solid")
         && words.any(|word| word == b"facet" || word == b"endsolid")
+}
+
+/// Some programs write them, though the format has none.
+fn is_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start(), [b';' | b'#', ..])
 }
 
 /// The number of triangles in a binary file's header.
@@ -102,11 +108,11 @@ pub(super) fn read_stream(stream: &mut impl BufRead, count: u64) -> Option<io::R
 
 /// Reads triangles of 50 bytes each: a normal, three corners and two bytes that are nobody's.
 fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
-    let mut corners: Vec<[[f32; 3]; 3]> = Vec::new();
-    corners.try_reserve_exact(count)?;
-    while corners.len() < count {
+    let mut corners = Corners::new();
+    corners.try_reserve(count)?;
+    while corners.face_count() < count {
         let (whole, _) = stream.fill_buf()?.as_chunks::<RECORD>();
-        let whole = &whole[..whole.len().min(count - corners.len())];
+        let whole = &whole[..whole.len().min(count - corners.face_count())];
         corners.extend(whole.iter().map(corners_of));
         let used = RECORD * whole.len();
         if used > 0 {
@@ -115,10 +121,10 @@ fn read_records(stream: &mut impl BufRead, count: usize) -> io::Result<Soup> {
             // It begins in one window and ends in the next.
             let mut record = [0; RECORD];
             stream.read_exact(&mut record)?;
-            corners.push(corners_of(&record));
+            corners.extend(std::iter::once(corners_of(&record)));
         }
     }
-    Ok(Soup::new(Positions::F32(corners.into_flattened()), corners_in_order(count as u32)))
+    Ok(corners.into_soup())
 }
 
 #[inline]
@@ -127,12 +133,8 @@ fn corners_of(record: &[u8; RECORD]) -> [[f32; 3]; 3] {
     from_fn(|corner| from_fn(|axis| f32::from_le_bytes(values[3 + 3 * corner + axis])))
 }
 
-fn corners_in_order(faces: u32) -> Vec<[u32; 3]> {
-    (0..faces).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()
-}
-
 fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
-    let mut ascii = Ascii::default();
+    let mut ascii = Ascii::new();
     let mut lines = Lines::new(bytes);
     let mut cut = None;
     let mut last = 0;
@@ -140,7 +142,7 @@ fn read_ascii(bytes: &[u8]) -> Result<Soup, ParseError> {
         last = line;
         if let Err(error) = ascii.line(line, content) {
             // A file that was cut short ends in the middle of a line: what is before it counts.
-            if lines.rest().is_empty() && ascii.positions.len() >= 3 {
+            if lines.rest().is_empty() && ascii.corners.face_count() > 0 {
                 cut = Some(line);
                 break;
             }
@@ -172,20 +174,28 @@ fn first_facet(mut words: Words<'_>) -> Words<'_> {
 }
 
 /// An ASCII file as far as it has been read.
-#[derive(Default)]
 struct Ascii {
-    positions: Vec<[f64; 3]>,
+    /// The facets with three vertices so far.
+    corners: Corners<f64>,
     solids: Vec<Group>,
-    /// Vertices read of the current facet.
+    /// The vertices of the current facet.
+    facet: [[f64; 3]; 3],
+    /// How many of them have been read.
     in_facet: usize,
     /// True behind an `endsolid`.
     ended: bool,
 }
 
 impl Ascii {
+    fn new() -> Self {
+        Ascii { corners: Corners::new(), solids: Vec::new(), facet: [[0.0; 3]; 3], in_facet: 0, ended: false }
+    }
+
     /// Reads the words of a line, of which there may be several statements.
     fn line(&mut self, line: u64, content: &[u8]) -> Result<(), ParseError> {
-        let content = content.trim_ascii();
+        if is_comment(content) {
+            return Ok(());
+        }
         let mut words = text::words(content);
         let error = |what: String| Err(ParseError::line(line, what));
         while let Some(word) = words.next() {
@@ -202,25 +212,29 @@ impl Ascii {
                     return error("a facet with more than three vertices; export the file as triangles".into());
                 }
                 b"vertex" => {
-                    let mut point = [0.0; 3];
-                    for coordinate in &mut point {
+                    for coordinate in &mut self.facet[self.in_facet] {
                         let Some(value) = words.number() else {
-                            return error(format!("a vertex has three numbers, not {}", text::quoted(content)));
+                            return error(text::no_vertex(content));
                         };
                         *coordinate = value;
                     }
-                    self.positions.push(point);
                     self.in_facet += 1;
+                    if self.in_facet == 3 {
+                        if self.corners.face_count() == MAX_FACES {
+                            return error(format!("the {MAX_FACES} facets before it are all that can be handled"));
+                        }
+                        self.corners.extend(std::iter::once(self.facet));
+                    }
                 }
                 b"endfacet" | b"facet" if !self.in_facet.is_multiple_of(3) => {
                     return error(format!("a facet ends after {} of three vertices", self.in_facet));
                 }
                 b"endfacet" | b"facet" => self.in_facet = 0,
-                // Nobody needs the normal, and some programs write words where its numbers belong.
-                b"normal" => drop(words.by_ref().take(3).count()),
+                // Nobody needs the normal, and some programs write words where its numbers belong, or colours.
+                b"normal" | b"color" => drop(words.by_ref().take(3).count()),
                 b"outer" | b"loop" | b"endloop" => {}
                 b"solid" => {
-                    let start = (self.positions.len() / 3) as u32;
+                    let start = self.corners.face_count() as u32;
                     let from = words.rest();
                     let facet = first_facet(words);
                     let name = text::name(&from[..from.len() - facet.rest().len()]);
@@ -245,18 +259,14 @@ impl Ascii {
 
     /// `cut` is the line in which the file ends too early.
     fn into_soup(mut self, cut: Option<u64>) -> Result<Soup, ParseError> {
-        let count = self.positions.len() / 3;
+        let count = self.corners.face_count();
         if count == 0 {
             return Err(ParseError::file("the solid has no whole facet"));
         }
-        if count > MAX_FACES {
-            return Err(ParseError::file(format!("{count} facets are more than the {MAX_FACES} that can be handled")));
-        }
-        self.positions.truncate(3 * count);
         for i in 0..self.solids.len() {
             self.solids[i].faces.end = self.solids.get(i + 1).map_or(count as u32, |next| next.faces.start);
         }
-        let mut soup = Soup::new(Positions::F64(self.positions), corners_in_order(count as u32));
+        let mut soup = self.corners.into_soup();
         soup.groups = self.solids;
         if cut.is_none() && !self.ended {
             soup.notes.push(Note::info("the last solid has no endsolid; the file may be cut short between two facets"));
@@ -273,6 +283,7 @@ impl Ascii {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     fn binary(header: &[u8], declared: u32, triangles: u32) -> Vec<u8> {
         let mut bytes = vec![0; 80];
@@ -320,7 +331,8 @@ mod tests {
             .expect("stl_io reads it")
             .flat_map(|triangle| triangle.expect("a triangle").vertices.map(|v| v.0))
             .collect();
-        assert_eq!(whole.positions, Positions::F32(theirs));
+        let ours = whole.triangles.as_flattened().iter().map(|&corner| whole.positions.get(corner as usize));
+        assert!(ours.eq(theirs.into_iter().map(|[x, y, z]| DVec3::new(x.into(), y.into(), z.into()))));
         for window in [1, 49, 50, 51, 84, 130, 1000] {
             let mut stream = io::BufReader::with_capacity(window, bytes.as_slice());
             let soup = read_stream(&mut stream, 7).expect("some triangles").expect("readable");
@@ -339,6 +351,9 @@ mod tests {
             format!("solid my facet part\n{FACET}endsolid my facet part\n"),
             format!("solid\n{FACET}{}{FACET}endsolid\n", FACET.replace('\n', " ") + "\n"),
             format!("solid\n{FACET}endsolid\nleft behind\n"),
+            format!("; made by a program\n# and another\n  solid x\n{FACET}endsolid x"),
+            format!("solid x\ncolor 1 0.5 0\n{}endsolid x", FACET.replace("facet n", "color 1 0 0\nfacet n")),
+            format!("solid x\n{}endsolid x", FACET.replace("0 0 1\no", "-nan(ind) 1.#QNAN -1.#IND\no")),
             format!("solid\n{FACET}endsolid\n"),
             format!("  solid  a name\n{FACET}{FACET}"),
             format!("SOLID x\n{}ENDSOLID", FACET.to_uppercase()),

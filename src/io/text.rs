@@ -39,9 +39,11 @@ impl<'b> Iterator for Lines<'b> {
     }
 }
 
-/// A line without what stands behind a `#`.
+/// A line without what stands behind a `#`, which is no comment in `1.#INF`.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
-    &line[..memchr::memchr(b'#', line).unwrap_or(line.len())]
+    let is_comment =
+        |&at: &usize| !(line[..at].ends_with(b".") && line[at + 1..].first().is_some_and(u8::is_ascii_uppercase));
+    &line[..memchr::memchr_iter(b'#', line).find(is_comment).unwrap_or(line.len())]
 }
 
 /// The words of a line.
@@ -77,7 +79,21 @@ impl<'b> Words<'b> {
         let word = self.rest.strip_prefix(b"+").unwrap_or(self.rest);
         let (value, length) = fast_float2::parse_partial(word).ok()?;
         self.rest = &word[length..];
-        self.rest.first().is_none_or(u8::is_ascii_whitespace).then_some(value)
+        match self.rest.first() {
+            Some(b'#' | b'(') => self.not_a_number(value),
+            next => next.is_none_or(u8::is_ascii_whitespace).then_some(value),
+        }
+    }
+
+    /// What Microsoft's libraries write for numbers that are none: `1.#QNAN`, `-1.#IND`, `1.#INF`, `-nan(ind)`.
+    #[cold]
+    fn not_a_number(&mut self, before: f64) -> Option<f64> {
+        match self.next()? {
+            [b'(', ..] => before.is_nan().then_some(before),
+            [b'#', b'I', b'N', b'F', ..] => Some(before * f64::INFINITY),
+            [b'#', b'I' | b'Q' | b'S', ..] => Some(f64::NAN),
+            _ => None,
+        }
     }
 }
 
@@ -117,6 +133,12 @@ pub(super) fn number(word: &[u8]) -> Option<f64> {
 /// A whole number from 0, as vertices and counts are numbered.
 pub(super) fn count(word: &[u8]) -> Option<u32> {
     u32::try_from(integer(word)?).ok()
+}
+
+/// Says that a vertex lacks its three numbers.
+pub(super) fn no_vertex(line: &[u8]) -> String {
+    let why = if line.contains(&b',') { "; decimals stand behind a point, not a comma" } else { "" };
+    format!("a vertex has three numbers, not {}{why}", quoted(line.trim_ascii()))
 }
 
 /// A word or line for use in a message: readable, and short whatever the file holds.
@@ -171,6 +193,13 @@ mod tests {
     }
 
     #[test]
+    fn comments_begin_with_a_hash_that_is_no_number() {
+        for (line, without) in [("a # b", "a "), ("1.# b", "1."), ("-1.#IND 2 # 1.#INF", "-1.#IND 2 "), ("#", "")] {
+            assert_eq!(without_comment(line.as_bytes()), without.as_bytes(), "{line}");
+        }
+    }
+
+    #[test]
     fn utf_16_is_told_by_its_mark_and_its_first_letters() {
         let text = "v 1 2 3 # größe \u{1f600}\n";
         let little: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
@@ -190,6 +219,12 @@ mod tests {
             assert_eq!((words.number(), words.number()), (Some(value), None), "{word}");
         }
         assert!(number(b"nan").is_some_and(f64::is_nan));
+        for word in ["nan(ind)", "-nan(snan)", "1.#QNAN", "-1.#IND00", "1.#SNAN"] {
+            let mut words = words(word.as_bytes());
+            assert!(words.number().is_some_and(f64::is_nan) && words.rest().is_empty(), "{word}");
+        }
+        assert_eq!(words(b"-1.#INF 2").number(), Some(f64::NEG_INFINITY));
+        assert!(words(b"1(2)").number().is_none() && words(b"1.#x").number().is_none());
         assert_eq!(number(b"1,5"), None);
         assert_eq!(number(b"0x1"), None);
         assert_eq!(words(b" 1.5 2,5").by_ref().number(), Some(1.5));

@@ -82,6 +82,9 @@ fn vertices(element: &Element, values: &mut Values<'_>) -> Result<Positions, Par
 
 /// Reads the corner lists of faces or strips.
 fn faces(element: &Element, values: &mut Values<'_>, polygons: &mut Polygons) -> Result<(), ParseError> {
+    if element.count == 0 {
+        return Ok(());
+    }
     let strips = element.name == b"tristrips";
     // vertex_indices or vertex_index, whichever the writer preferred.
     let at = element.properties.iter().position(|p| p.list.is_some() && p.name.starts_with(b"vertex_ind"));
@@ -171,7 +174,9 @@ mod tests {
     fn rows_of_other_types_say_the_same() {
         let soup = read(ascii().as_bytes()).expect("ascii");
         for (big, order) in [(false, "little"), (true, "big")] {
-            for (kind, size) in [("ushort", 2), ("short", 2), ("uint", 4), ("int", 4), ("uchar", 1)] {
+            for (kind, size) in
+                [("uint64", 8), ("int64", 8), ("ushort", 2), ("short", 2), ("uint", 4), ("int", 4), ("uchar", 1)]
+            {
                 let mut bytes = format!("ply\nformat binary_{order}_endian 1.0\nelement vertex 4\nproperty uchar red\nproperty double x\nproperty float y\nproperty short z\nelement face 2\nproperty uchar a\nproperty list int {kind} vertex_index\nproperty double b\nend_header\n").into_bytes();
                 let mut put = |value: &[u8]| {
                     let mut value = value.to_vec();
@@ -189,7 +194,7 @@ mod tests {
                 for corners in [&[0_u32, 1, 2, 3][..], &[0, 1, 2]] {
                     put(&[1]);
                     put(&(corners.len() as i32).to_le_bytes());
-                    corners.iter().for_each(|c| put(&c.to_le_bytes()[..size]));
+                    corners.iter().for_each(|&c| put(&u64::from(c).to_le_bytes()[..size]));
                     put(&2.5_f64.to_le_bytes());
                 }
                 let other = read(&bytes).unwrap_or_else(|e| panic!("{kind} {order}: {e}"));
@@ -239,5 +244,22 @@ mod tests {
     fn a_point_cloud_is_told_so() {
         let text = ascii().replace("face 2", "face 0");
         assert!(read(text.as_bytes()).expect_err("no faces").to_string().contains("point cloud"));
+        let text = text.replace("property list uchar int vertex_indices\nproperty list uchar float other\n", "");
+        assert!(read(text.as_bytes()).expect_err("no faces").to_string().contains("point cloud"));
+    }
+
+    #[test]
+    fn a_header_of_lines_that_end_in_cr_takes_no_byte_of_the_data() {
+        let mut bytes = HEADER.replace('\n', "\r").into_bytes();
+        bytes.splice(0..0, *b"ply\rformat binary_little_endian 1.0\r");
+        for x in [f32::from_le_bytes(*b"\n\0\0\x40"), 1.0, 1.0, 0.0] {
+            bytes.extend([x, x * x, 0.0].into_iter().flat_map(f32::to_le_bytes).chain([9]));
+        }
+        bytes.extend(
+            [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0].iter().chain(&[3, 0, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 0]),
+        );
+        let soup = read(&bytes).expect("readable");
+        assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(soup.positions.get(0).x, f64::from(f32::from_le_bytes(*b"\n\0\0\x40")));
     }
 }

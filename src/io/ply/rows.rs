@@ -77,7 +77,7 @@ pub(super) fn faces(
             let from = start + length.size();
             let fits = count >= 0.0 && count * size as f64 + after as f64 <= (bytes.len() - from) as f64;
             if !fits {
-                let what = format!("a list of {count} values does not fit into the file");
+                let what = format!("a list of {count} values does not fit into the file, which may be truncated");
                 return Err(ParseError::byte(start as u64, what));
             }
             let to = from + count as usize * size;

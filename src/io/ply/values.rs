@@ -11,6 +11,8 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -24,6 +26,8 @@ impl Scalar {
             b"ushort" | b"uint16" => Scalar::U16,
             b"int" | b"int32" => Scalar::I32,
             b"uint" | b"uint32" => Scalar::U32,
+            b"int64" => Scalar::I64,
+            b"uint64" => Scalar::U64,
             b"float" | b"float32" => Scalar::F32,
             b"double" | b"float64" => Scalar::F64,
             _ => return None,
@@ -35,11 +39,11 @@ impl Scalar {
             Scalar::I8 | Scalar::U8 => 1,
             Scalar::I16 | Scalar::U16 => 2,
             Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
-            Scalar::F64 => 8,
+            Scalar::I64 | Scalar::U64 | Scalar::F64 => 8,
         }
     }
 
-    /// A value of this type. All but f64 fit an f64 exactly. `raw` has [`Scalar::size`] bytes.
+    /// A value of this type; whole numbers are exact up to 2^53. `raw` has [`Scalar::size`] bytes.
     #[inline]
     pub(super) fn decode(self, raw: &[u8], big: bool) -> f64 {
         let mut w = [0; 8];
@@ -55,6 +59,8 @@ impl Scalar {
             Scalar::U16 => u16::from_le_bytes([w[0], w[1]]).into(),
             Scalar::I32 => i32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
             Scalar::U32 => u32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
+            Scalar::I64 => i64::from_le_bytes(w) as f64,
+            Scalar::U64 => u64::from_le_bytes(w) as f64,
             Scalar::F32 => f32::from_le_bytes([w[0], w[1], w[2], w[3]]).into(),
             Scalar::F64 => f64::from_le_bytes(w),
         }
@@ -123,7 +129,12 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Encoding, Vec<Element>, Values<'_>
             [b"end_header", ..] => {
                 let encoding = encoding.ok_or_else(|| ParseError::line(line, "the header names no format"))?;
                 let body = lines.rest();
-                let at = bytes.len() - body.len();
+                let mut at = bytes.len() - body.len();
+                // Behind lines that end in CR alone, an LF is the first byte of the data.
+                let is_cr_alone = matches!(bytes.trim_ascii_start(), [_, _, _, b'\r', next, ..] if *next != b'\n');
+                if is_cr_alone && bytes[..at].ends_with(b"\r\n") {
+                    at -= 1;
+                }
                 let values = match encoding {
                     Encoding::Ascii => Values::Ascii { lines, line, words: text::words(b"") },
                     _ => Values::Binary { bytes, at, big: encoding == Encoding::Big },
@@ -227,7 +238,9 @@ impl Values<'_> {
     pub(super) fn next_count(&mut self, scalar: Scalar) -> Result<usize, ParseError> {
         let value = self.next(scalar)?;
         if value < 0.0 || value.fract() != 0.0 || value > self.left() as f64 {
-            return Err(self.error(format!("a list of {value} values does not fit into the file")));
+            return Err(
+                self.error(format!("a list of {value} values does not fit into the file, which may be truncated"))
+            );
         }
         Ok(value as usize)
     }
