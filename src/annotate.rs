@@ -14,6 +14,7 @@ use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
 use crate::statistics::{CurvatureSummary, Seconds, Summary};
 use glam::DVec3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

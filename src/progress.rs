@@ -35,3 +35,14 @@ impl Progress for NoProgress {
     fn advance(&self, _: u64) {}
     fn end(&self) {}
 }
+
+/// Passes on that work goes on, so that it can be cancelled, but counts nothing: for work that is part of another stage.
+pub(crate) struct Uncounted<'p>(pub(crate) &'p dyn Progress);
+
+impl Progress for Uncounted<'_> {
+    fn begin(&self, _: Stage, _: u64) {}
+    fn advance(&self, _: u64) {
+        self.0.advance(0);
+    }
+    fn end(&self) {}
+}

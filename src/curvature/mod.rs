@@ -21,7 +21,7 @@ use crate::disk::{Diameter, Disk, Frame, Leg};
 use crate::error::Error;
 use crate::mesh::{Face, FaceState, Mesh};
 use crate::place::Place;
-use crate::progress::{NoProgress, Progress, Stage};
+use crate::progress::{Progress, Stage, Uncounted};
 use euler::{EulerFit, Principal};
 use radius::RadiusSearch;
 use rayon::prelude::*;
@@ -164,7 +164,7 @@ fn estimate_in_order(
     if options.estimator == Estimator::Auto {
         fit::estimate(mesh, options, |f| options.radius_of(mesh, f, fixed), progress, out);
         if options.perimeter {
-            add_perimeters(mesh, options, fixed, out);
+            add_perimeters(mesh, options, fixed, &Uncounted(progress), out);
         }
         return;
     }
@@ -176,19 +176,26 @@ fn estimate_in_order(
 }
 
 /// Adds the perimeter estimate of every face that has an estimate.
-fn add_perimeters(mesh: &Mesh, options: &CurvatureOptions, fixed: Option<f64>, values: &mut [FaceCurvature]) {
-    if let Some(sections) = sections::estimate(mesh, options, fixed, &NoProgress) {
+fn add_perimeters(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    fixed: Option<f64>,
+    progress: &dyn Progress,
+    values: &mut [FaceCurvature],
+) {
+    if let Some(sections) = sections::estimate(mesh, options, fixed, progress) {
         for (value, section) in values.iter_mut().zip(sections).filter(|(value, _)| value.is_estimated()) {
             value.gauss_perimeter = section.gauss_perimeter;
         }
         return;
     }
-    values.par_iter_mut().enumerate().for_each_init(Disk::new, |disk, (f, value)| {
-        let face = Face(f as u32);
-        if value.is_estimated()
-            && let Some(frame) = Frame::at_barycentre(mesh, face)
-        {
-            value.gauss_perimeter = curvature_at(mesh, face, &frame, options, fixed, disk).gauss_perimeter;
+    values.par_chunks_mut(CHUNK).enumerate().for_each_init(Disk::new, |disk, (chunk, values)| {
+        progress.advance(0);
+        let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(values);
+        for (face, value) in faces.filter(|(_, value)| value.is_estimated()) {
+            if let Some(frame) = Frame::at_barycentre(mesh, face) {
+                value.gauss_perimeter = curvature_at(mesh, face, &frame, options, fixed, disk).gauss_perimeter;
+            }
         }
     });
 }

@@ -57,6 +57,10 @@ fn weld(mesh: &Mesh, lengths: EdgeLengths) -> Option<String> {
         return None;
     }
     let widest = gaps.iter().copied().fold(0.0, f64::max);
+    if widest == 0.0 {
+        // Bodies on top of one another: what lies apart by nothing is welded already, within each body.
+        return None;
+    }
     // One digit, rounded up, so that the widest gap is closed.
     let digit = 10_f64.powf(widest.log10().floor());
     let distance = digit * (widest / digit * 1.01).ceil();
@@ -123,7 +127,7 @@ fn up(mesh: &Mesh, format: InputFormat) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::soup::Positions;
+    use crate::soup::{Group, Positions};
     use crate::synth::{Grid, Surface};
 
     fn hints(soup: &Soup, format: InputFormat) -> Vec<String> {
@@ -180,5 +184,17 @@ mod tests {
             hint.split("--weld ").nth(1).and_then(|s| s.split(' ').next()?.parse().ok()).expect("a distance");
         let mesh = Mesh::from_soup(&apart, &MeshOptions { weld: distance, ..MeshOptions::default() }).expect("a mesh");
         assert!(mesh.report().closed, "{hint}: {:?}", mesh.report());
+    }
+
+    #[test]
+    fn bodies_on_top_of_one_another_are_no_gap() {
+        let mut soup = Grid::new(Surface::Saddle, 12, 12).build().soup;
+        let once = soup.triangles.clone();
+        soup.triangles.extend(&once);
+        let count = once.len() as u32;
+        let body = |faces| Group { name: String::new(), faces };
+        soup.bodies = vec![body(0..count), body(count..2 * count)];
+        let found = hints(&soup, InputFormat::ThreeMf);
+        assert!(found.iter().all(|hint| !hint.contains("--weld")), "{found:?}");
     }
 }

@@ -108,7 +108,14 @@ fn weld_blocks<P: Position>(
     };
     for body in bodies {
         table.begin_body();
-        let mut batches = triangles[range(&body.faces)].chunks_mut(BLOCK * AT_ONCE);
+        let faces = &mut triangles[range(&body.faces)];
+        if faces.len() <= BLOCK {
+            for corner in faces.as_flattened_mut() {
+                *corner = table.vertex_at(positions[*corner as usize].canonical());
+            }
+            continue;
+        }
+        let mut batches = faces.chunks_mut(BLOCK * AT_ONCE);
         let mut ready = batches.next().map(|batch| (weld(batch), batch));
         while let Some((vertices, batch)) = ready {
             let next = batches.next();
