@@ -44,9 +44,9 @@ impl<const N: usize> Normal<N> {
     #[inline(always)]
     fn add_tile(&mut self, rows: &[[F4; N]], values: &[F4]) {
         for i in 0..N {
-            add_products(&mut self.gram[i], i + 1, rows, |at| rows[at][i]);
+            add_products(&mut self.gram[i], i + 1, rows, || rows.iter().map(|row| row[i]));
         }
-        add_products(&mut self.right, N, rows, |at| values[at]);
+        add_products(&mut self.right, N, rows, || values.iter().copied());
     }
 
     /// Adds a row to the problem of one lane.
@@ -62,15 +62,19 @@ impl<const N: usize> Normal<N> {
 
 /// Adds the products of the first `until` columns with a lead in each row.
 #[inline(always)]
-fn add_products<const N: usize>(totals: &mut [F4; N], until: usize, rows: &[[F4; N]], lead: impl Fn(usize) -> F4) {
+fn add_products<const N: usize, I: Iterator<Item = F4>>(
+    totals: &mut [F4; N],
+    until: usize,
+    rows: &[[F4; N]],
+    leads: impl Fn() -> I,
+) {
     /// Columns at a time, whose sums stay in registers.
     const BLOCK: usize = 6;
     for first in (0..until).step_by(BLOCK) {
         // The last block begins earlier: it ends with the last column.
         let start = first.min(N - BLOCK);
         let mut sums = [F4::ZERO; BLOCK];
-        for (at, row) in rows.iter().enumerate() {
-            let lead = lead(at);
+        for (row, lead) in rows.iter().zip(leads()) {
             for (k, sum) in sums.iter_mut().enumerate() {
                 *sum += lead * row[start + k];
             }
