@@ -2,11 +2,14 @@
 
 mod common;
 
-use common::{differing, values_of};
+use common::{differing, mesh_of, values_of};
 use glam::{DQuat, DVec3};
 use osculate::synth::{Grid, Surface};
-use osculate::{CurvatureOptions, Estimator, FaceCurvature, Positions, Radius, Soup};
+use osculate::{
+    CurvatureOptions, Estimator, FaceCurvature, Method, Positions, Progress, Radius, Soup, Stage, estimate,
+};
 use proptest::prelude::*;
+use std::sync::Mutex;
 
 /// A small irregular mesh: closed or with a border, elliptic and hyperbolic.
 fn soups() -> impl Strategy<Value = Soup> {
@@ -125,7 +128,7 @@ proptest! {
         let mixed = soup.triangles.iter().enumerate().map(|(f, &[a, b, c])| if flip(f) { [a, c, b] } else { [a, b, c] });
         let mixed = Soup::new(soup.positions.clone(), mixed.collect());
         let expected = (0..soup.face_count()).filter(|&f| flip(f)).count();
-        prop_assert_eq!(common::mesh_of(&mixed).report().flipped_faces, expected);
+        prop_assert_eq!(mesh_of(&mixed).report().flipped_faces, expected);
         assert_alike(&values(&soup), &values(&mixed), 1.0, DQuat::IDENTITY, 1e-6);
     }
 }
@@ -144,6 +147,45 @@ fn one_thread_or_many_give_the_same_values() {
 }
 
 /// The triangles of a mesh as a file without shared vertices gives them.
+/// Above 20,000 faces, and noisy all over.
+fn noisy_torus() -> Soup {
+    let torus = Surface::Torus { major: 3.0, minor: 1.0 };
+    Grid { jitter: 0.2, noise: 0.1, seed: 3, ..Grid::with_faces(torus, 21_000, 1.0) }.build().soup
+}
+
+#[test]
+fn one_thread_or_many_give_the_same_values_under_noise() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| values(&noisy_torus()))
+    };
+    let one = with(1);
+    assert_eq!(differing(&one, &with(3)), 0);
+    let patches = one.iter().filter(|value| value.method == Method::Patches).count();
+    assert!(1000 * patches >= 999 * one.len(), "{patches} of {}", one.len());
+}
+
+#[test]
+fn progress_on_a_noisy_surface_is_told_in_small_parts_that_add_up() {
+    struct Told(Mutex<Vec<u64>>);
+
+    impl Progress for Told {
+        fn begin(&self, _: Stage, _: u64) {}
+        fn advance(&self, amount: u64) {
+            self.0.lock().expect("no panic").push(amount);
+        }
+        fn end(&self) {}
+    }
+
+    let mesh = mesh_of(&noisy_torus());
+    let told = Told(Mutex::default());
+    estimate(&mesh, &CurvatureOptions::default(), &told).expect("valid options");
+    let parts = told.0.into_inner().expect("no panic");
+    assert_eq!(parts.iter().sum::<u64>(), mesh.face_count() as u64);
+    let largest = parts.iter().copied().max().unwrap_or(0);
+    assert!(5 * largest < mesh.face_count() as u64, "{largest}");
+}
+
 #[test]
 fn a_soup_of_loose_triangles_is_the_same_mesh() {
     let soup = Grid::new(Surface::Saddle, 12, 12).build().soup;
@@ -170,7 +212,7 @@ fn defects_leave_the_rest_of_the_mesh_alone() {
     assert_eq!(differing(&found[..n], &clean), 0);
     assert_eq!(common::bits(&found[n]), common::bits(&clean[100]));
     assert!(!found[n + 1].is_estimated() && !found[n + 2].is_estimated());
-    let report = common::mesh_of(&spoilt).report().clone();
+    let report = mesh_of(&spoilt).report().clone();
     assert_eq!((report.duplicate_faces, report.degenerate_faces, report.non_finite_faces), (1, 1, 1));
 }
 

@@ -177,6 +177,7 @@ fn neighbours(ground: &Ground<'_>, corners: &[[u32; 3]], h: HalfEdge) -> impl It
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curvature::fit::work::Work;
     use crate::progress::NoProgress;
     use crate::{Mesh, MeshOptions, Positions, Soup};
 
@@ -233,7 +234,8 @@ mod tests {
     #[test]
     fn a_cube_falls_into_its_sides() {
         let mesh = mesh(&CUBE, &SIDES);
-        let cut = Ground::new(&mesh, false, &NoProgress);
+        let work = Work::new(&NoProgress, 0);
+        let cut = Ground::new(&mesh, false, &work);
         let fans = Fans::new(&cut);
         let pairs: Vec<Vec<u32>> = (0..6).map(|side| vec![2 * side, 2 * side + 1]).collect();
         assert_eq!(parts(&fans), pairs);
@@ -251,7 +253,8 @@ mod tests {
     #[test]
     fn over_sharp_edges_a_cube_is_one() {
         let mesh = mesh(&CUBE, &SIDES);
-        let whole = Ground::new(&mesh, true, &NoProgress);
+        let work = Work::new(&NoProgress, 0);
+        let whole = Ground::new(&mesh, true, &work);
         let fans = Fans::new(&whole);
         assert_eq!(parts(&fans), [(0..12).collect::<Vec<u32>>()]);
         assert!((0..8).all(|v| fans.of(v).eq([v]) && !fans.is_shared(v)));
@@ -267,7 +270,8 @@ mod tests {
         let sharp =
             (0..5).flat_map(|f| Face(f).half_edges()).filter(|&h| mesh.edge_kind(h) == EdgeKind::Feature).count();
         assert_eq!(sharp, 2);
-        let ground = Ground::new(&mesh, false, &NoProgress);
+        let work = Work::new(&NoProgress, 0);
+        let ground = Ground::new(&mesh, false, &work);
         let fans = Fans::new(&ground);
         assert_eq!(fans.of(0).count(), 1);
         let faces: usize = (0..6).flat_map(|v| fans.of(v)).map(|fan| fans.faces(fan).len()).sum();

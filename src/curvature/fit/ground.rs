@@ -2,8 +2,8 @@
 
 use super::stars::Stars;
 use super::window::scaled_normal;
+use super::work::Work;
 use crate::mesh::{Face, FaceState, Mesh};
-use crate::progress::Progress;
 use glam::{DVec3, Vec3};
 
 /// A mesh prepared for windows.
@@ -14,19 +14,19 @@ pub(super) struct Ground<'m> {
     pub(super) over_features: bool,
     /// A normal at every vertex, as long as its faces are wide against the mesh.
     pub(super) normals: Vec<Vec3>,
-    /// Told of all work, so that it can be cancelled.
-    pub(super) progress: &'m dyn Progress,
+    /// Told of all that is done, so that it can be cancelled.
+    pub(super) work: &'m Work<'m>,
 }
 
 impl<'m> Ground<'m> {
-    pub(super) fn new(mesh: &'m Mesh, over_features: bool, progress: &'m dyn Progress) -> Self {
+    pub(super) fn new(mesh: &'m Mesh, over_features: bool, work: &'m Work<'m>) -> Self {
         let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
         for (f, normal) in sound_normals(mesh) {
             for v in mesh.topology().corners(f) {
                 normals[v.index()] += normal;
             }
         }
-        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals, progress }
+        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals, work }
     }
 
     pub(super) fn position(&self, vertex: u32) -> DVec3 {

@@ -44,6 +44,7 @@ mod stars;
 mod steady;
 mod strips;
 mod window;
+mod work;
 
 use super::{CurvatureOptions, FaceClass, FaceCurvature, Method};
 use crate::disk::{Disk, Frame as DiskFrame};
@@ -63,6 +64,7 @@ use shape::Principal;
 use std::ops::Range;
 use steady::Steady;
 use window::Window;
+use work::Work;
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
 const CHUNK: usize = 1024;
@@ -86,7 +88,8 @@ pub(super) fn estimate(
     progress: &dyn Progress,
     out: &mut [FaceCurvature],
 ) {
-    let ground = Ground::new(mesh, false, progress);
+    let work = Work::new(progress, out.len());
+    let ground = Ground::new(mesh, false, &work);
     let is_sound = |face: Face| mesh.face_state(face) == FaceState::Sound;
     let quantum = quantum(mesh);
     let worker = || Worker {
@@ -121,7 +124,7 @@ pub(super) fn estimate(
                     &mut [Quality::NO_FIT],
                 );
             }
-            progress.advance(out.len() as u64);
+            work.advance(out.len() as u64);
         });
         return;
     }
@@ -133,7 +136,7 @@ pub(super) fn estimate(
             faces
                 .filter(|(face, _)| is_sound(*face))
                 .for_each(|(face, out)| out.coverage = worker.surveyor.coverage(face));
-            progress.advance(out.len() as u64);
+            work.advance_by(0.1, out.len(), mesh.face_count());
         });
         let wanted: Vec<bool> = (0..out.len() as u32).map(|f| is_sound(Face(f))).collect();
         look_wider(&ground, options, &wanted, true, out);
@@ -144,6 +147,7 @@ pub(super) fn estimate(
             // Its plane alone says nothing.
             out.confidence = if out.coverage == 0.0 { 0.0 } else { out.confidence };
         }
+        work.finish();
         return;
     }
 
@@ -152,7 +156,7 @@ pub(super) fn estimate(
     both.enumerate().for_each_init(worker, |worker, (chunk, (out, quality))| {
         let start = (chunk * CHUNK) as u32;
         worker.first(start..start + out.len() as u32, out, quality);
-        progress.advance(out.len() as u64);
+        work.advance(out.len() as u64);
     });
     if quality.iter().any(Quality::is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
@@ -214,7 +218,7 @@ fn look_aside<'g>(
         quality[f].is_uneven && around.into_iter().any(|m| one_sided::is_better(m, quality[f].misfit))
     };
     out.par_chunks_mut(CHUNK).enumerate().for_each_init(&worker, |worker, (chunk, out)| {
-        ground.progress.advance(0);
+        ground.work.advance(0);
         for (f, out) in (chunk * CHUNK..).zip(out).filter(|(f, _)| is_beside_better(*f)) {
             if let Some(value) = worker.one_sided(Face(f as u32), quality) {
                 *out = FaceCurvature { coverage: out.coverage, ..value };
@@ -228,7 +232,7 @@ fn look_aside<'g>(
     }
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
     both.enumerate().for_each_init(&worker, |worker, (chunk, (out, quality))| {
-        ground.progress.advance(0);
+        ground.work.advance(0);
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
         let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
             out.method != Method::OneSided && quality.is_open() && strips::is_long(mesh, face)
@@ -279,7 +283,7 @@ fn look_wider(
         }
     }
     drop(fans);
-    let ground = Ground::new(ground.mesh, true, ground.progress);
+    let ground = Ground::new(ground.mesh, true, ground.work);
     let fans = Fans::new(&ground);
     if is_rough {
         replace(steady::around_vertices(&fans), Method::Window, &mut left, out);

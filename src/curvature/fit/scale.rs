@@ -46,7 +46,7 @@ pub(super) fn is_rough(fans: &Fans<'_>, seeds: &[Face]) -> bool {
     let judges: Vec<Face> = seeds.iter().copied().step_by(step).collect();
     let none = vec![u32::MAX; mesh.face_count()];
     let mut probes: Vec<Probe> = judges.into_iter().map(Probe::new).collect();
-    probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none);
+    probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none, 0.0);
     let median = |of: &dyn Fn(&Probe) -> f64| {
         let mut values: Vec<f64> = probes.iter().map(of).filter(|v| v.is_finite()).collect();
         values.sort_unstable_by(f64::total_cmp);
@@ -70,7 +70,7 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         seed_of[seed.index()] = i as u32;
     }
     let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed)).collect();
-    probe_all(fans, probes.iter_mut().collect(), 0..DENSE, &seed_of);
+    probe_all(fans, probes.iter_mut().collect(), 0..DENSE, &seed_of, 0.45);
     // Larger windows overlap more: fewer of them say the same.
     let tiers = tiers(ground, seeds, |i| &probes[i].neighbours, &[1; LEVELS.len() - DENSE]);
     let mut fewer: Vec<(usize, &mut Probe)> =
@@ -78,12 +78,12 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
     fewer.sort_by_key(|(tier, _)| *tier);
     for tier in 1..=LEVELS.len() - DENSE {
         let of_tier = fewer.iter_mut().filter(|(t, _)| *t == tier).map(|(_, probe)| &mut **probe).collect();
-        probe_all(fans, of_tier, DENSE..DENSE + tier, &seed_of);
+        probe_all(fans, of_tier, DENSE..DENSE + tier, &seed_of, 0.05);
     }
     let chosen: Vec<Vec<Choice>> = probes
         .par_chunks(CHUNK)
         .map(|chunk| {
-            ground.progress.advance(0);
+            ground.work.advance(0);
             chunk.iter().filter_map(|probe| choose(probe, &probes)).collect()
         })
         .collect();
@@ -93,9 +93,9 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         .par_chunks(CHUNK)
         .map_init(
             || Prober::new(fans),
-            |prober, chosen| {
-                ground.progress.advance(0);
-                prober.patches(chosen, wanted)
+            |prober, some| {
+                ground.work.advance_by(0.2, some.len(), chosen.len());
+                prober.patches(some, wanted)
             },
         )
         .collect();
@@ -103,11 +103,13 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
     patches::blend(ground, patches, wanted)
 }
 
-fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>, seed_of: &[u32]) {
+/// Adds levels to probes, which takes about `share` of the work on all faces.
+fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>, seed_of: &[u32], share: f64) {
+    let count = probes.len();
     probes.par_chunks_mut(CHUNK).for_each_init(
         || Prober::new(fans),
         |prober, chunk| {
-            fans.ground.progress.advance(0);
+            fans.ground.work.advance_by(share, chunk.len(), count);
             chunk.chunks_mut(LANES).for_each(|four| prober.probe(four, levels.clone(), seed_of));
         },
     );

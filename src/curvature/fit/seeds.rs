@@ -82,6 +82,7 @@ pub(super) fn tiers<'n>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curvature::fit::work::Work;
     use crate::progress::NoProgress;
     use crate::synth::{Grid, Surface};
     use crate::{Mesh, MeshOptions};
@@ -90,7 +91,8 @@ mod tests {
     fn seeds_keep_apart_and_thin_out() {
         let grid = Grid::with_faces(Surface::Torus { major: 3.0, minor: 1.0 }, 20_000, 1.0);
         let mesh = Mesh::from_soup(&grid.build().soup, &MeshOptions::default()).expect("a mesh");
-        let ground = Ground::new(&mesh, false, &NoProgress);
+        let work = Work::new(&NoProgress, 0);
+        let ground = Ground::new(&mesh, false, &work);
         let seeds = seeds(&ground, &vec![true; mesh.face_count()]);
         let share = seeds.len() as f64 / mesh.face_count() as f64;
         assert!((0.06..0.1).contains(&share), "{share}");

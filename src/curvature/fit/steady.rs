@@ -44,7 +44,7 @@ pub(super) fn around_vertices(fans: &Fans<'_>) -> Vec<Option<Blended>> {
     around.par_chunks_mut(CHUNK).enumerate().for_each_init(
         || Steady::new(fans),
         |steady, (chunk, values)| {
-            ground.progress.advance(0);
+            ground.work.advance_by(0.8, values.len(), ground.mesh.positions().len());
             let is_used = |&v: &usize| !ground.stars.neighbours(v as u32).is_empty();
             let used: Vec<usize> = (chunk * CHUNK..).take(values.len()).filter(is_used).collect();
             for four in used.chunks(LANES) {
