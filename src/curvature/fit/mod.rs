@@ -28,6 +28,7 @@ mod implicit;
 pub(super) mod lanes;
 
 mod marks;
+mod noise;
 mod one_sided;
 mod patches;
 mod polynomial;
@@ -59,7 +60,6 @@ use lanes::LANES;
 use patches::Blended;
 use quantum::quantum;
 use rayon::prelude::*;
-use samples::Sampler;
 use shape::Principal;
 use std::ops::Range;
 use steady::Steady;
@@ -90,7 +90,6 @@ pub(super) fn estimate(
 ) {
     let work = Work::new(progress, out.len());
     let ground = Ground::new(mesh, false, &work);
-    let is_sound = |face: Face| mesh.face_state(face) == FaceState::Sound;
     let quantum = quantum(mesh);
     let worker = || Worker {
         ground: &ground,
@@ -100,57 +99,11 @@ pub(super) fn estimate(
         disk: Disk::new(),
     };
     if radius(Face(0)).is_some() {
-        let fans = Fans::new(&ground);
-        let tools = || (worker(), Steady::new(&fans));
-        out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
-            let mut left = Vec::new();
-            let faces = (chunk * CHUNK..).take(out.len()).map(|f| Face(f as u32));
-            let wanted: Vec<(Face, f64)> =
-                faces.filter(|&face| is_sound(face)).filter_map(|face| Some((face, radius(face)?))).collect();
-            for faces in wanted.chunks(LANES) {
-                for (&(face, _), value) in faces.iter().zip(steady.within(faces, quantum)) {
-                    match value {
-                        Some((value, coverage)) => {
-                            out[face.index() % CHUNK] = blended_value(coverage, &value, Method::Window, options);
-                        }
-                        None => left.push(face),
-                    }
-                }
-            }
-            for face in left {
-                worker.first(
-                    face.0..face.0 + 1,
-                    std::slice::from_mut(&mut out[face.index() % CHUNK]),
-                    &mut [Quality::NO_FIT],
-                );
-            }
-            work.advance(out.len() as u64);
-        });
-        return;
+        return within(&ground, quantum, worker, radius, out);
     }
-
-    if is_noisy_all_over(mesh, &mut worker()) {
-        // To fit small windows around every face would be in vain.
-        out.par_chunks_mut(CHUNK).enumerate().for_each_init(worker, |worker, (chunk, out)| {
-            let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(&mut *out);
-            faces
-                .filter(|(face, _)| is_sound(*face))
-                .for_each(|(face, out)| out.coverage = worker.surveyor.coverage(face));
-            work.advance_by(0.1, out.len(), mesh.face_count());
-        });
-        let wanted: Vec<bool> = (0..out.len() as u32).map(|f| is_sound(Face(f))).collect();
-        look_wider(&ground, options, &wanted, true, out);
-        let left = out.iter_mut().enumerate().filter(|(f, out)| wanted[*f] && !out.is_estimated());
-        let mut worker = worker();
-        for (f, out) in left {
-            worker.first(f as u32..f as u32 + 1, std::slice::from_mut(out), &mut [Quality::NO_FIT]);
-            // Its plane alone says nothing.
-            out.confidence = if out.coverage == 0.0 { 0.0 } else { out.confidence };
-        }
-        work.finish();
-        return;
+    if noise::is_all_over(mesh, &mut worker()) {
+        return noise::estimate(&ground, options, worker, out);
     }
-
     let mut quality = vec![Quality::NO_FIT; out.len()];
     let both = out.par_chunks_mut(CHUNK).zip(quality.par_chunks_mut(CHUNK));
     both.enumerate().for_each_init(worker, |worker, (chunk, (out, quality))| {
@@ -161,46 +114,40 @@ pub(super) fn estimate(
     if quality.iter().any(Quality::is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
-    let mut wanted: Vec<bool> = out.iter().zip(&quality).map(is_doubtful).collect();
+    let doubtful: Vec<bool> = out.iter().zip(&quality).map(noise::is_doubtful).collect();
     drop(quality);
-    let count = wanted.iter().filter(|wanted| **wanted).count();
-    if count == 0 {
-        return;
-    }
-    let is_everywhere = 2 * count > out.iter().filter(|value| value.is_estimated()).count();
-    if is_everywhere {
-        // Noise makes some edges sharp, and leaves faces between them that nothing can be fitted to.
-        for (wanted, value) in wanted.iter_mut().zip(&mut *out) {
-            *wanted |= value.method == Method::Sections;
-            value.confidence = if value.coverage == 0.0 { 0.0 } else { value.confidence };
-        }
-    }
-    look_wider(&ground, options, &wanted, is_everywhere, out);
+    noise::settle(&ground, options, doubtful, out);
 }
 
-/// True where the values of a face may be off because no surface explains its window.
-fn is_doubtful((value, quality): (&FaceCurvature, &Quality)) -> bool {
-    quality.is_doubtful && value.method == Method::Fit
-}
-
-/// True for large surfaces of which nearly all windows are noisy, as faces here and there tell.
-fn is_noisy_all_over(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
-    /// Fewer faces are looked at one by one.
-    const LEAST: usize = 20_000;
-    /// Faces of a first and a second look, and how many of them must be doubtful.
-    const LOOKS: [(usize, f64); 2] = [(64, 0.9), (1024, 0.95)];
-    mesh.face_count() >= LEAST
-        && LOOKS.into_iter().all(|(count, least)| {
-            let faces = (0..mesh.face_count()).step_by(mesh.face_count() / count).map(|f| f as u32);
-            let (mut fitted, mut doubtful) = (0, 0);
-            for f in faces.filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound) {
-                let (mut value, mut quality) = (FaceCurvature::NOT_ESTIMATED, Quality::NO_FIT);
-                worker.first(f..f + 1, std::slice::from_mut(&mut value), std::slice::from_mut(&mut quality));
-                fitted += usize::from(value.method == Method::Fit);
-                doubtful += usize::from(is_doubtful((&value, &quality)));
+/// The values of all faces within the radius that the user has given for each.
+fn within<'g>(
+    ground: &Ground<'g>,
+    quantum: f64,
+    worker: impl Fn() -> Worker<'g> + Sync,
+    radius: impl Fn(Face) -> Option<f64> + Sync,
+    out: &mut [FaceCurvature],
+) {
+    let fans = Fans::new(ground);
+    let tools = || (worker(), Steady::new(&fans));
+    out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
+        let faces = (chunk * CHUNK..).take(out.len()).map(|f| Face(f as u32));
+        let sound = faces.filter(|&face| ground.mesh.face_state(face) == FaceState::Sound);
+        let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
+        for four in wanted.chunks(LANES) {
+            for (&(face, _), value) in four.iter().zip(steady.within(four, quantum)) {
+                let out = &mut out[face.index() % CHUNK];
+                match value {
+                    Some((value, coverage)) => {
+                        *out = blended_value(coverage, &value, Method::Window, worker.options);
+                    }
+                    None => {
+                        worker.first_of(face, out);
+                    }
+                }
             }
-            fitted > count / 2 && doubtful as f64 > least * fitted as f64
-        })
+        }
+        ground.work.advance(out.len() as u64);
+    });
 }
 
 /// Values for faces whose windows no surface explains, from the part of the surroundings that goes on as the face does.
@@ -247,53 +194,14 @@ fn look_aside<'g>(
     flats::settle(ground, quantum, quality, out);
 }
 
-/// Replaces the values that are `wanted` by what larger windows say, where they say anything. Where the surface is noisy
-/// everywhere, sharp edges are noise too if they leave no room for a window.
-fn look_wider(
-    ground: &Ground<'_>,
-    options: &CurvatureOptions,
-    wanted: &[bool],
-    is_everywhere: bool,
-    out: &mut [FaceCurvature],
-) {
-    /// Vertices without which there is no window.
-    const LEAST: usize = 13;
-    let seeds = seeds::seeds(ground, wanted);
-    let fans = Fans::new(ground);
-    let is_rough = scale::is_rough(&fans, &seeds);
-    let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted) };
-    let mut left = wanted.to_vec();
-    let replace = |values: Vec<Option<Blended>>, method: Method, left: &mut [bool], out: &mut [FaceCurvature]| {
-        for ((out, value), left) in out.iter_mut().zip(values).zip(left) {
-            if let Some(value) = value.filter(|_| std::mem::replace(left, false)) {
-                *out = blended_value(out.coverage.into(), &value, method, options);
-            }
-        }
-    };
-    replace(values, Method::Patches, &mut left, out);
-    if is_rough && is_everywhere {
-        // Faces that fit by chance would stand out among the others.
-        left.iter_mut().zip(&*out).for_each(|(left, value)| *left |= value.is_estimated());
-    } else if !is_rough {
-        let mut sampler = Sampler::new(&fans);
-        let mut is_cut_off = |f: usize| sampler.is_cut_off(Face(f as u32), LEAST);
-        left.iter_mut().enumerate().for_each(|(f, left)| *left = *left && is_everywhere && is_cut_off(f));
-        if !left.contains(&true) {
-            return;
-        }
-    }
-    drop(fans);
-    let ground = Ground::new(ground.mesh, true, ground.work);
-    let fans = Fans::new(&ground);
-    if is_rough {
-        replace(steady::around_vertices(&fans), Method::Window, &mut left, out);
-    } else {
-        let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left);
-        replace(values, Method::Patches, &mut left, out);
-    }
-}
-
 impl Worker<'_> {
+    /// The fit of one face, or its sections where there is none.
+    fn first_of(&mut self, face: Face, out: &mut FaceCurvature) -> Quality {
+        let mut quality = Quality::NO_FIT;
+        self.first(face.0..face.0 + 1, std::slice::from_mut(out), std::slice::from_mut(&mut quality));
+        quality
+    }
+
     /// The fits of a range of faces, or their sections where there is none.
     fn first(&mut self, faces: Range<u32>, out: &mut [FaceCurvature], quality: &mut [Quality]) {
         let Worker { ground, options, surveyor, disk, .. } = self;
