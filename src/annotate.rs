@@ -310,8 +310,8 @@ pub fn annotate(
 
     let annotated =
         Annotated { mesh: &mesh, values: &values, source: input, files: &files, format: Some(input_format) };
-    let written = annotated.write_with(outputs, besides, provenance, progress)?;
-    notes.extend(written.notes);
+    let mut written = annotated.write_with(outputs, besides, provenance, progress)?;
+    written.notes.splice(0..0, notes);
     let write = start.elapsed();
 
     Ok(Summary {
@@ -320,11 +320,7 @@ pub fn annotate(
         input: input.display().to_string(),
         format: input_format,
         report: mesh.report().clone(),
-        selected_faces: written.selected_faces,
-        notes,
-        settings: written.settings,
-        legend: written.legend,
-        units: written.units,
+        written,
         curvature: options.summarise.then(|| CurvatureSummary::of(&values)),
         seconds: Seconds::from_marks(read, weld, estimate, write),
     })

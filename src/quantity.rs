@@ -154,6 +154,7 @@ impl Quantity {
 
     /// The quantity of a face; for a direction, its component along axis `component`. NaN where it
     /// is not estimated.
+    #[inline]
     pub fn value(self, face: Face, of: &FaceCurvature, component: usize) -> f32 {
         match self {
             Quantity::Face => face.0 as f32,
@@ -178,24 +179,17 @@ impl Quantity {
     /// The values of many faces in a row, of which `first` is the first, as [`Quantity::value`] has each: what they are is
     /// asked once.
     pub(crate) fn values(self, first: Face, of: &[FaceCurvature], component: usize, out: &mut [f32]) {
-        #[inline]
-        fn each(of: &[FaceCurvature], out: &mut [f32], value: impl Fn(&FaceCurvature) -> f32) {
-            out.iter_mut().zip(of).for_each(|(slot, of)| *slot = value(of));
+        macro_rules! each {
+            ($($quantity:ident)+) => {
+                match self {
+                    $(Quantity::$quantity => out.iter_mut().zip(of).zip(first.0..).for_each(|((slot, of), face)| {
+                        *slot = Quantity::$quantity.value(Face(face), of, component);
+                    }),)+
+                }
+            };
         }
-        match self {
-            Quantity::Face => out.iter_mut().zip(first.0..).for_each(|(slot, face)| *slot = face as f32),
-            Quantity::KMax => each(of, out, |of| of.k_max),
-            Quantity::KMin => each(of, out, |of| of.k_min),
-            Quantity::Mean => each(of, out, FaceCurvature::mean),
-            Quantity::Gauss => each(of, out, FaceCurvature::gauss),
-            Quantity::GaussPerimeter => each(of, out, |of| of.gauss_perimeter),
-            Quantity::Radius => each(of, out, |of| of.radius),
-            Quantity::Coverage => each(of, out, |of| of.coverage),
-            Quantity::Confidence => each(of, out, |of| of.confidence),
-            Quantity::DirMax => each(of, out, |of| if of.is_estimated() { of.dir_max[component] } else { f32::NAN }),
-            Quantity::DirMin => each(of, out, |of| if of.is_estimated() { of.dir_min[component] } else { f32::NAN }),
-            _ => each(of, out, |of| self.value(first, of, component)),
-        }
+        each!(Face Class KMax KMin Mean Gauss GaussPerimeter ShapeIndex Curvedness DirMax DirMin Radius Coverage
+            Method Confidence);
     }
 
     /// The value times `factor`, as binary files carry it: always finite, 0 where the face has no

@@ -1,13 +1,12 @@
 //! What a run tells about itself: seconds per stage, defects, and the spread of the values.
 
+use crate::annotated::Written;
 use crate::curvature::{FaceClass, FaceCurvature};
 use crate::io::InputFormat;
 use crate::mesh::MeshReport;
 use crate::order_statistics::at_shares;
 use crate::quantity::Quantity;
-use crate::soup::Note;
 use serde::Serialize;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -104,17 +103,10 @@ pub struct Summary {
     /// The mesh and its defects.
     #[serde(flatten)]
     pub report: MeshReport,
-    /// How many faces were written, where a condition chose them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub selected_faces: Option<usize>,
-    /// What was repaired, skipped or is worth knowing.
-    pub notes: Vec<Note>,
-    /// All settings.
-    pub settings: Value,
-    /// Colour scale, if any, in the units of the output.
-    pub legend: Option<Value>,
-    /// Units of the input, in which counts, bounds and percentiles are, and of the output.
-    pub units: Value,
+    /// What was written. Its notes are those of reading too; its units are those of the input, in which counts, bounds and
+    /// percentiles are, and of the output.
+    #[serde(flatten)]
+    pub written: Written,
     /// Wall-clock seconds.
     pub seconds: Seconds,
     /// The values, in the units of the input, where a summary was asked for.
@@ -124,6 +116,6 @@ pub struct Summary {
 impl Summary {
     /// True when something was repaired or skipped, or the mesh has defects (exit code 3).
     pub fn has_defects(&self) -> bool {
-        self.report.has_defects() || self.notes.iter().any(|note| note.repaired)
+        self.report.has_defects() || self.written.notes.iter().any(|note| note.repaired)
     }
 }

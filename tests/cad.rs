@@ -54,9 +54,13 @@ impl Part {
     }
 }
 
-fn fillet_part() -> Soup {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/fillet_part.stl");
+fn fixture(name: &str) -> Soup {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name);
     osculate::read(&path, &NoProgress).expect("a fixture").0
+}
+
+fn fillet_part() -> Soup {
+    fixture("fillet_part.stl")
 }
 
 /// Checks all values of the part; `triangle` gives the corners of a face in the part's own axes.
@@ -183,4 +187,14 @@ fn long_facets_of_a_torus_are_no_strips() {
     for (v, e) in values.iter().zip(&torus.exact) {
         assert!(v.method == Method::Fit && (f64::from(v.k_min) - e.k_min).abs() < 0.01, "{v:?} {e:?}");
     }
+}
+
+#[test]
+fn sharp_edges_of_a_coarse_model_are_meant_and_not_noise() {
+    // More than half of the faces of this head are doubtful. Those that sharp edges cut off from the others still have
+    // the sections of their own disks, and no windows over the edges.
+    let values = values_of(&fixture("suzanne.stl"), &CurvatureOptions::default());
+    let by = |method: Method| values.iter().filter(|value| value.method == method).count();
+    assert!(2 * by(Method::Patches) > values.len(), "{}", by(Method::Patches));
+    assert!(by(Method::Sections) > 150, "{}", by(Method::Sections));
 }

@@ -24,7 +24,7 @@ pub(crate) fn convert(
         call.summarise();
     }
     let summary = work::run(py, call.threads(), progress.as_ref(), |progress| call.run(progress))?;
-    let repaired = summary.notes.iter().filter(|note| note.repaired).map(|note| note.message.clone());
+    let repaired = summary.written.notes.iter().filter(|note| note.repaired).map(|note| note.message.clone());
     Ok((json(&summary)?, repaired.chain(summary.report.defects()).collect()))
 }
 

@@ -14,13 +14,13 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     let bars = Bars::new(messages.wants_progress());
     let summary = target.annotate(&args.input.path, &options, &bars)?;
 
-    summary.notes.iter().for_each(|note| messages.note(note));
+    summary.written.notes.iter().for_each(|note| messages.note(note));
     summary.report.defects().iter().for_each(|defect| messages.warning(defect));
     if messages.verbose {
         tell(&summary, messages);
     }
     let seconds = summary.seconds.total;
-    let faces = match summary.selected_faces {
+    let faces = match summary.written.selected_faces {
         Some(selected) => format!("{selected} of {} faces", summary.report.faces),
         None => format!("{} faces", summary.report.faces),
     };
@@ -83,7 +83,7 @@ fn write_stats(summary: &Summary, mut out: Output) -> Result<(), Error> {
 
 fn tell(summary: &Summary, messages: &Messages) {
     let s = summary.seconds;
-    messages.info(&format!("settings: {}", summary.settings));
+    messages.info(&format!("settings: {}", summary.written.settings));
     messages.info(&format!(
         "seconds: read {:.3}, weld {:.3}, estimate {:.3}, write {:.3}",
         s.read, s.weld, s.estimate, s.write

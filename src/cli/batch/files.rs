@@ -143,7 +143,7 @@ const PANIC: &str = "the program has a mistake that this file brings out; please
 
 /// What was repaired or is wrong.
 fn defects(summary: &Summary) -> Vec<String> {
-    let repaired = summary.notes.iter().filter(|note| note.repaired).map(|note: &Note| note.message.clone());
+    let repaired = summary.written.notes.iter().filter(|note| note.repaired).map(|note: &Note| note.message.clone());
     repaired.chain(summary.report.defects()).collect()
 }
 

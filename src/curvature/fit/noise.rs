@@ -74,8 +74,9 @@ pub(super) fn settle(ground: &Ground<'_>, options: &CurvatureOptions, doubtful: 
     let is_everywhere = 2 * count > out.iter().filter(|value| value.is_estimated()).count();
     if is_everywhere {
         // Noise makes some edges sharp, and leaves faces between them that nothing can be fitted to.
+        let is_fine = scale::is_fine(ground.mesh);
         for (wanted, value) in wanted.iter_mut().zip(&mut *out) {
-            *wanted |= value.method == Method::Sections;
+            *wanted |= is_fine && value.method == Method::Sections;
             doubt_the_lone(value);
         }
     }
@@ -89,7 +90,7 @@ fn doubt_the_lone(value: &mut FaceCurvature) {
     }
 }
 
-/// Replaces the values that are `wanted` by what larger windows say, where they say anything. Where the surface is noisy
+/// Replaces the values that are `wanted` by what larger windows say, where they say anything. Where a fine mesh is noisy
 /// everywhere, sharp edges are noise too if they leave no room for a window.
 fn look_wider(
     ground: &Ground<'_>,
@@ -117,9 +118,12 @@ fn look_wider(
         // Faces that fit by chance would stand out among the others.
         left.iter_mut().zip(&*out).for_each(|(left, value)| *left |= value.is_estimated());
     } else if !is_rough {
+        if !is_everywhere || !scale::is_fine(ground.mesh) {
+            return;
+        }
         let mut sampler = Sampler::new(&fans);
         let mut is_cut_off = |f: usize| sampler.is_cut_off(Face(f as u32), LEAST);
-        left.iter_mut().enumerate().for_each(|(f, left)| *left = *left && is_everywhere && is_cut_off(f));
+        left.iter_mut().enumerate().for_each(|(f, left)| *left = *left && is_cut_off(f));
         if !left.contains(&true) {
             return;
         }

@@ -11,7 +11,7 @@ use super::patches::{self, Blended, Patch};
 use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober, unexplained};
 use super::seeds::tiers;
 use super::steady::ROUGH_WINDOW;
-use crate::mesh::Face;
+use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,11 +26,17 @@ const JUDGED: usize = 4;
 /// Levels at which all seeds are looked at; each one further up, about half of those before.
 const DENSE: usize = 4;
 
+/// True for meshes with enough vertices to tell noise from shape. On a coarse model a window would be half of it, and
+/// sharp edges are meant.
+pub(super) fn is_fine(mesh: &Mesh) -> bool {
+    /// Windows that a surface must hold.
+    const LEAST_WINDOWS: usize = 20;
+    mesh.positions().len() >= LEAST_WINDOWS * ROUGH_WINDOW
+}
+
 /// True where a surface is rough: noise and detail at every scale from the edges up, as real scans have
 /// it. No window is then better than another by what the data say.
 pub(super) fn is_rough(fans: &Fans<'_>, seeds: &[Face]) -> bool {
-    /// Windows that a surface must hold: on a coarse model they would be half of it.
-    const LEAST_WINDOWS: usize = 20;
     /// Noise in edges below which a surface is no scan's.
     const LEAST_NOISE: f64 = 0.013;
     /// Least growth of the deviation from the first level to the fourth.
@@ -39,7 +45,7 @@ pub(super) fn is_rough(fans: &Fans<'_>, seeds: &[Face]) -> bool {
     /// the detail of a smooth surface.
     const SMOOTH_GROWTH: f64 = 2.6;
     let mesh = fans.ground.mesh;
-    if mesh.positions().len() < LEAST_WINDOWS * ROUGH_WINDOW {
+    if !is_fine(mesh) {
         return false;
     }
     let step = seeds.len().div_ceil(JUDGES).max(1);
