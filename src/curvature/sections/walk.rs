@@ -106,14 +106,23 @@ impl Kernel for Walk<'_> {
         for (chunk, [a, b, c]) in directions.0.as_chunks::<TURNS>().0.iter().enumerate() {
             // Values, not places in memory: a choice between two that goes where one of them was is compiled to a
             // store of some lanes, which takes longer than all the rest.
-            let mut a = Lanes::start(e, stop, start, a).measured::<true>(e);
-            let mut b = Lanes::start(e, stop, start, b).measured::<true>(e);
-            let mut c = Lanes::start(e, stop, start, c).measured::<true>(e);
+            let [mut a, mut b, mut c] =
+                [Lanes::start(e, stop, start, a), Lanes::start(e, stop, start, b), Lanes::start(e, stop, start, c)];
+            a = a.with::<true>(e, a.segment());
+            b = b.with::<true>(e, b.segment());
+            c = c.with::<true>(e, c.segment());
             let mut crossings = 0;
             while !(a.goes_on(stop) | b.goes_on(stop) | c.goes_on(stop)).is_false_for_all() {
-                a = a.advanced(e, stop, slots, normal).measured::<false>(e);
-                b = b.advanced(e, stop, slots, normal).measured::<false>(e);
-                c = c.advanced(e, stop, slots, normal).measured::<false>(e);
+                // Fetching and crossing of all three before what waits for their roots: several are then under way at once.
+                a = a.advanced(e, stop, slots, normal);
+                let segment_a = a.segment();
+                b = b.advanced(e, stop, slots, normal);
+                let segment_b = b.segment();
+                c = c.advanced(e, stop, slots, normal);
+                let segment_c = c.segment();
+                a = a.with::<false>(e, segment_a);
+                b = b.with::<false>(e, segment_b);
+                c = c.with::<false>(e, segment_c);
                 crossings += 1;
                 if crossings == MOST_CROSSINGS {
                     return false;
@@ -134,6 +143,18 @@ impl Kernel for Walk<'_> {
 /// A vector or point in eight frames.
 #[derive(Clone, Copy)]
 struct Three<E>([F<E>; 3]);
+
+/// From the leg's end to the edge it crosses next.
+#[derive(Clone, Copy)]
+struct Segment<E> {
+    forward: F<E>,
+    rise: F<E>,
+    rise_squared: F<E>,
+    /// Its length.
+    whole: F<E>,
+    /// Of the edge, across the leg.
+    width: F<E>,
+}
 
 /// Eight legs.
 #[derive(Clone, Copy)]
@@ -193,19 +214,25 @@ impl<E: Eight> Lanes<E> {
         }
     }
 
-    /// With the segment from the leg's end to the crossed edge, or what is left of the radius.
+    /// The segment from the leg's end to the crossed edge.
     #[inline(always)]
-    fn measured<const FIRST: bool>(self, e: E) -> Self {
-        /// No length: keeps divisors above zero.
-        const NONE: f32 = 1e-12;
-        let (zero, one) = (F::splat(e, 0.0), F::splat(e, 1.0));
+    fn segment(&self) -> Segment<E> {
         let (Three(below), Three(above)) = (self.below, self.above);
         let width = above[0] - below[0];
         let share = -below[0] / width;
         let forward = below[1] + share * (above[1] - below[1]) - self.end[0];
         let rise = below[2] + share * (above[2] - below[2]) - self.end[1];
         let rise_squared = rise * rise;
-        let whole = (forward * forward + rise_squared).sqrt();
+        Segment { forward, rise, rise_squared, whole: (forward * forward + rise_squared).sqrt(), width }
+    }
+
+    /// With the segment, or what is left of the radius.
+    #[inline(always)]
+    fn with<const FIRST: bool>(self, e: E, segment: Segment<E>) -> Self {
+        /// No length: keeps divisors above zero.
+        const NONE: f32 = 1e-12;
+        let Segment { forward, rise, rise_squared, whole, width } = segment;
+        let (zero, one) = (F::splat(e, 0.0), F::splat(e, 1.0));
         let room = one - self.length;
         let has_room = whole.less(room);
         let is_long = F::splat(e, SHORT).less(whole);
