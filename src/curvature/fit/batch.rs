@@ -96,6 +96,22 @@ impl Batch {
         self.place(ground, seed);
     }
 
+    /// The coverage that a window would have which [`Batch::load`] loads.
+    pub(super) fn coverage_of(&mut self, ground: &Ground<'_>, seed: Face) -> f64 {
+        if ground.stars.are_all_inside() {
+            return 1.0;
+        }
+        let vertices = match self.gathered.rings(ground, seed) {
+            true => &self.gathered.rings.vertices,
+            false => {
+                self.window.start(ground.mesh, seed);
+                self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+                &self.window.vertices
+            }
+        };
+        ground.stars.coverage(vertices.iter().copied())
+    }
+
     /// Loads a window as [`Batch::load`] does, with rulings.
     pub(super) fn load_with_rulings(&mut self, ground: &Ground<'_>, seed: Face) {
         let lane = self.seeds.len();

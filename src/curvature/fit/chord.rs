@@ -192,6 +192,12 @@ impl ChordFits {
         self.models[degree].variance.0[lane] / frame.unit.powi(4)
     }
 
+    /// The frame that a lane's surface lies flat in at its middle: for a fit to a larger window.
+    pub(super) fn settled(&self, lane: usize, frame: &Frame) -> Option<Frame> {
+        let [c, x, y] = [0, 1, 2].map(|i| self.models[self.highest[lane]].coefficients[i].0[lane]);
+        frame.moved(c, x, y)
+    }
+
     pub(super) fn surface(&self, lane: usize, degree: usize, frame: Frame) -> Chord {
         Chord { frame, coefficients: self.models[degree].coefficients.map(|c| c.0[lane]) }
     }

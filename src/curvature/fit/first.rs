@@ -299,10 +299,7 @@ impl<'g> Surveyor<'g> {
 
     /// The share of the vertices around a face that lie neither on a border nor on a sharp edge.
     pub(super) fn coverage(&mut self, face: Face) -> f32 {
-        self.batch.clear();
-        self.batch.load(self.ground, face);
-        self.batch.clear();
-        self.batch.coverage[0] as f32
+        self.batch.coverage_of(self.ground, face) as f32
     }
 
     pub(super) fn mesh(&self) -> &'g Mesh {

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 /// Vertices per window, by level.
-pub(super) const LEVELS: [usize; 6] = [28, 48, 81, 138, 234, 398];
+pub(super) const LEVELS: [usize; 8] = [28, 48, 81, 138, 234, 398, 676, 1150];
 const DEGREES: [usize; 2] = [3, 4];
 /// The chord polynomials among the models of a level; the last model is a cyclide.
 pub(super) const POLYNOMIALS: usize = DEGREES.len();
@@ -105,14 +105,16 @@ impl<'g> Prober<'g> {
             if !probes.iter().any(|probe| probe.goes_on) {
                 break;
             }
-            let fits = self.chords.fit(&mut self.abreast, [4; LANES], if level == 0 { 2 } else { 1 });
-            let mut deviations = [0.0; LANES];
+            let fits = self.chords.fit(&mut self.abreast, [4; LANES], if level == 0 { 2 } else { 0 });
+            let (mut deviations, mut frames) = ([0.0; LANES], [None; LANES]);
             for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
-                probe.frame = self.abreast.frame(lane).filter(|_| fits.is_carried(lane));
-                let Some(frame) = probe.frame else {
+                frames[lane] = self.abreast.frame(lane).filter(|_| fits.is_carried(lane));
+                let settled = frames[lane].and_then(|frame| fits.settled(lane, &frame));
+                let (Some(frame), Some(settled)) = (frames[lane], settled) else {
                     probe.goes_on = false;
                     continue;
                 };
+                probe.frame = Some(settled);
                 deviations[lane] = probe.add(&fits, lane, frame, centres[lane]);
                 if level == 0 {
                     // So many points fill a disk of the window's radius as the vertices of equilateral faces.
@@ -122,7 +124,7 @@ impl<'g> Prober<'g> {
             if level >= FIRST_CYCLIDE {
                 let cyclides = self.cyclides.fit(&self.abreast, F4(deviations.map(f64::sqrt)));
                 for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
-                    let Some(c) = probe.frame.and_then(|frame| cyclides.of(lane, frame)) else { continue };
+                    let Some(c) = frames[lane].and_then(|frame| cyclides.of(lane, frame)) else { continue };
                     // In small windows its residual is less than the noise.
                     if probe.add_cyclide(&c, centres[lane]) && level > FIRST_CYCLIDE {
                         deviations[lane] = deviations[lane].min(c.misfit);
@@ -220,6 +222,16 @@ impl Probe {
     /// What it found at a level.
     pub(super) fn at(&self, level: usize) -> &Level {
         self.levels.get(level).unwrap_or(&Level::NONE)
+    }
+
+    /// Levels that have been looked at.
+    pub(super) fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// False where a larger window would be in vain.
+    pub(super) fn may_go_on(&self) -> bool {
+        self.goes_on
     }
 
     /// False where a fit was tried in vain, or is too large to be tried.

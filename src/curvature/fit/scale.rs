@@ -24,7 +24,10 @@ const CHUNK: usize = 64;
 const JUDGES: usize = 400;
 const JUDGED: usize = 4;
 /// Levels at which all seeds are looked at; each one further up, about half of those before.
+const SPARSE: usize = 2;
+/// The same where windows of no more than level [`DENSE_UP_TO`] are chosen: what they say changes from place to place.
 const DENSE: usize = 4;
+const DENSE_UP_TO: usize = 5;
 
 /// True for meshes with enough vertices to tell noise from shape. On a coarse model a window would be half of it, and
 /// sharp edges are meant.
@@ -76,25 +79,20 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         seed_of[seed.index()] = i as u32;
     }
     let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed)).collect();
-    probe_all(fans, probes.iter_mut().collect(), 0..DENSE, &seed_of, 0.45);
+    probe_all(fans, probes.iter_mut().collect(), 0..SPARSE, &seed_of, 0.1);
     // Larger windows overlap more: fewer of them say the same.
-    let tiers = tiers(ground, seeds, |i| &probes[i].neighbours, &[1; LEVELS.len() - DENSE]);
-    let mut fewer: Vec<(usize, &mut Probe)> =
-        tiers.iter().copied().zip(&mut probes).filter(|(tier, _)| *tier > 0).collect();
-    fewer.sort_by_key(|(tier, _)| *tier);
-    for tier in 1..=LEVELS.len() - DENSE {
-        let of_tier = fewer.iter_mut().filter(|(t, _)| *t == tier).map(|(_, probe)| &mut **probe).collect();
-        probe_all(fans, of_tier, DENSE..DENSE + tier, &seed_of, 0.05);
-    }
-    let chosen: Vec<Vec<Choice>> = probes
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            ground.work.advance(0);
-            chunk.iter().filter_map(|probe| choose(probe, &probes)).collect()
-        })
-        .collect();
+    let tiers = tiers(ground, seeds, |i| &probes[i].neighbours, &[1; LEVELS.len() - SPARSE]);
+    probe_more(fans, &mut probes, &seed_of, |i| SPARSE + tiers[i]);
+    let mut choices = vec![None; seeds.len()];
+    choose_all(fans, &probes, &mut choices);
+    let is_dense: Vec<bool> = choices.iter().map(|c| c.as_ref().is_some_and(|c| c.level <= DENSE_UP_TO)).collect();
+    probe_more(fans, &mut probes, &seed_of, |i| if is_dense[i] { DENSE + tiers[i] } else { 0 });
+    choose_all(fans, &probes, &mut choices);
+    // Patches lie about as close as windows of their size.
+    let stays = |i: usize, choice: &Choice| choice.level <= tiers[i] + if is_dense[i] { DENSE - 1 } else { SPARSE };
+    let chosen: Vec<Choice> =
+        choices.into_iter().enumerate().filter_map(|(i, choice)| choice.filter(|choice| stays(i, choice))).collect();
     drop(probes);
-    let chosen: Vec<Choice> = chosen.into_iter().flatten().collect();
     let patches: Vec<Vec<Patch>> = chosen
         .par_chunks(CHUNK)
         .map_init(
@@ -121,40 +119,62 @@ fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>,
     );
 }
 
+/// Adds levels to probes until each has as many as are wanted, or more would be in vain.
+fn probe_more(fans: &Fans<'_>, probes: &mut [Probe], seed_of: &[u32], wanted: impl Fn(usize) -> usize) {
+    let mut behind: Vec<(Range<usize>, &mut Probe)> = probes
+        .iter_mut()
+        .enumerate()
+        .map(|(i, probe)| (probe.levels()..wanted(i).min(LEVELS.len()), probe))
+        .filter(|(levels, probe)| probe.may_go_on() && !levels.is_empty())
+        .collect();
+    behind.sort_by_key(|(levels, _)| (levels.start, levels.end));
+    for alike in behind.chunk_by_mut(|a, b| a.0 == b.0) {
+        let levels = alike[0].0.clone();
+        probe_all(fans, alike.iter_mut().map(|(_, probe)| &mut **probe).collect(), levels, seed_of, 0.05);
+    }
+}
+
+/// Chooses for all seeds.
+fn choose_all(fans: &Fans<'_>, probes: &[Probe], choices: &mut [Option<Choice>]) {
+    choices.par_chunks_mut(CHUNK).zip(probes.par_chunks(CHUNK)).for_each(|(choices, some)| {
+        fans.ground.work.advance(0);
+        choices.iter_mut().zip(some).for_each(|(choice, probe)| *choice = choose(probe, probes));
+    });
+}
+
 /// The choice for a seed, or none where the surface is smooth.
 fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
-    let mean = |of: &dyn Fn(&Probe) -> f64| {
-        let values = probe.neighbours.iter().map(|&i| of(&probes[i as usize])).filter(|v| v.is_finite());
-        let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-        sum / count
-    };
+    let around: Vec<&Probe> = probe.neighbours.iter().map(|&i| &probes[i as usize]).collect();
     let quartic = |p: &Probe, level: usize| p.at(level).misfits[1];
-    let growth = mean(&|p| (quartic(p, 1) / quartic(p, 0)).ln()).exp();
-    if growth > SMOOTH {
+    if mean(&around, |p| (quartic(p, 1) / quartic(p, 0)).ln()).exp() > SMOOTH {
         return None;
     }
-    let noise = mean(&|p| p.noise);
+    let noise = mean(&around, |p| p.noise);
+    // Those that have been looked at with windows of a level.
+    let looked: [Vec<&Probe>; LEVELS.len()] =
+        std::array::from_fn(|level| around.iter().copied().filter(|p| p.levels() > level).collect());
+    let (level_of, model_of) = (|j: usize| j / MODELS, |j: usize| j % MODELS);
     let variance: [f64; CANDIDATES] =
-        std::array::from_fn(|j| noise * mean(&|p| p.at(j / MODELS).variances[j % MODELS]));
-    let misfit: [f64; CANDIDATES] = std::array::from_fn(|j| mean(&|p| p.at(j / MODELS).misfits[j % MODELS]));
-    let there = |j: usize| variance[j].is_finite() && probe.may_have(j / MODELS, j % MODELS);
-    let detail = |j: usize| unexplained(misfit[j], noise, j / MODELS);
-    let is_polynomial = |j: usize| j % MODELS < POLYNOMIALS;
+        std::array::from_fn(|j| noise * mean(&looked[level_of(j)], |p| p.at(level_of(j)).variances[model_of(j)]));
+    let misfit: [f64; CANDIDATES] =
+        std::array::from_fn(|j| mean(&looked[level_of(j)], |p| p.at(level_of(j)).misfits[model_of(j)]));
+    let there = |j: usize| variance[j].is_finite() && probe.may_have(level_of(j), model_of(j));
+    let detail = |j: usize| unexplained(misfit[j], noise, level_of(j));
+    let is_polynomial = |j: usize| model_of(j) < POLYNOMIALS;
     // Only polynomials that explain their window bear witness to the bias of others.
     let witness: [bool; CANDIDATES] =
-        std::array::from_fn(|i| is_polynomial(i) && there(i) && (i < 2 * MODELS || detail(i) == 0.0));
+        std::array::from_fn(|i| is_polynomial(i) && there(i) && (level_of(i) < 2 || detail(i) == 0.0));
     // A cyclide is believed where it explains its window better than a polynomial does.
     let believed = |j: usize| is_polynomial(j) || misfit[j] < misfit[j - 1];
 
-    fn tensor(p: &Probe, j: usize) -> &[f64; 6] {
-        &p.at(j / MODELS).tensors[j % MODELS]
-    }
+    let tensor = |p: &Probe, j: usize| p.at(level_of(j)).tensors[model_of(j)];
     let mut best = (f64::INFINITY, usize::MAX);
     for j in (0..CANDIDATES).filter(|&j| there(j) && believed(j)) {
         let mut bias = 0.0_f64;
         let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j];
         for i in (0..CANDIDATES).filter(|&i| witness[i] && less_biased(i)) {
-            let between = mean(&|p| distance_squared(tensor(p, i), tensor(p, j)));
+            let both = &looked[level_of(i).max(level_of(j))];
+            let between = mean(both, |p| distance_squared(&tensor(p, i), &tensor(p, j)));
             bias = bias.max(between - (variance[i] - variance[j]));
         }
         let risk = variance[j] * (1.0 + detail(j)) + bias;
@@ -163,15 +183,24 @@ fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
         }
     }
     let (risk, at) = best;
-    let (level, model) = (at / MODELS, at % MODELS);
     (at != usize::MAX).then(|| Choice {
         seed: probe.seed,
-        level,
-        model,
+        level: level_of(at),
+        model: model_of(at),
         error: risk.sqrt(),
         noise: noise.sqrt(),
         frame: probe.frame,
     })
+}
+
+/// The mean of what is a finite number.
+fn mean(probes: &[&Probe], of: impl Fn(&Probe) -> f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for value in probes.iter().map(|p| of(p)).filter(|v| v.is_finite()) {
+        sum += value;
+        count += 1.0;
+    }
+    sum / count
 }
 
 /// The squared Frobenius norm of the difference of two symmetric matrices.

@@ -14,6 +14,7 @@ pub(super) struct Stars<'m> {
     faces: OnceLock<Lists>,
     neighbours: Lists,
     marks: Vec<Mark>,
+    are_all_inside: bool,
 }
 
 /// How the surface goes on around a vertex.
@@ -68,7 +69,8 @@ impl<'m> Stars<'m> {
             };
             *mark = if neighbours.of(v as u32).len() > CROWDED { Mark::Divided } else { by_borders.min(*mark) };
         }
-        if marks.iter().any(|&mark| mark != Mark::Deep) {
+        let are_all_inside = marks.iter().all(|&mark| mark == Mark::Deep);
+        if !are_all_inside {
             let mut spread = |from: fn(Mark) -> bool, to: Mark| {
                 let beside = |v: usize| neighbours.of(v as u32).iter().any(|&w| from(marks[w as usize]));
                 let found: Vec<usize> = (0..count).filter(|&v| marks[v] == Mark::Deep && beside(v)).collect();
@@ -77,7 +79,7 @@ impl<'m> Stars<'m> {
             spread(|mark| mark <= Mark::Border, Mark::BesideEdge);
             spread(|mark| mark == Mark::BesideEdge, Mark::NearEdge);
         }
-        Stars { mesh, faces: OnceLock::new(), neighbours, marks }
+        Stars { mesh, faces: OnceLock::new(), neighbours, marks, are_all_inside }
     }
 
     /// The faces at a vertex.
@@ -107,6 +109,11 @@ impl<'m> Stars<'m> {
     #[inline]
     pub(super) fn is_divided(&self, vertex: u32) -> bool {
         self.mark(vertex) == Mark::Divided
+    }
+
+    /// True where it does around all vertices.
+    pub(super) fn are_all_inside(&self) -> bool {
+        self.are_all_inside
     }
 
     /// True where the surface goes on all around a vertex.
