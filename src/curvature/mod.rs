@@ -146,7 +146,9 @@ fn in_order(
     progress: &dyn Progress,
 ) -> (Mesh, Vec<FaceCurvature>) {
     let (ordered, order) = mesh.into_order();
-    let mut in_order = vec![FaceCurvature::NOT_ESTIMATED; ordered.face_count()];
+    // By all threads: to bring so much memory into use takes time.
+    let none = (0..ordered.face_count()).into_par_iter().map(|_| FaceCurvature::NOT_ESTIMATED);
+    let mut in_order: Vec<FaceCurvature> = none.collect();
     estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
     let values = order.sorted(&in_order);
     drop(in_order);

@@ -1,7 +1,7 @@
 //! An order of faces and vertices in which what lies close together in space lies close together in memory.
 
 use super::Mesh;
-use super::ids::Face;
+use super::ids::{Face, Vertex};
 use crate::soup::{Group, Scene};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -14,6 +14,8 @@ const BITS: u32 = 21;
 pub(crate) struct FileOrder {
     /// Where on the curve each face of the file is.
     places: Vec<Face>,
+    /// The numbers that the vertices of the file have along the curve.
+    vertices: Vec<Vertex>,
     duplicates: Vec<(Face, Face)>,
     bodies: Vec<Group>,
     scene: Option<Scene>,
@@ -33,15 +35,21 @@ impl Mesh {
         let faces = self.along_curve();
         let duplicates = std::mem::take(&mut self.duplicates);
         let (bodies, scene) = (std::mem::take(&mut self.bodies), self.scene.take());
-        let places = inverse(&faces);
-        (self.renumbered(&faces, &places), FileOrder { places, duplicates, bodies, scene })
+        let present = self.by_first_use(&faces);
+        let (places, vertices) = (inverse(&faces, Face::index, Face), inverse(&present, Vertex::index, Vertex));
+        let mesh =
+            self.renumbered(&Numbers { present: &faces, new: &places }, &Numbers { present: &present, new: &vertices });
+        (mesh, FileOrder { places, vertices, duplicates, bodies, scene })
     }
 
     /// The mesh as it was before it was put in order.
     pub(crate) fn back_to(self, order: FileOrder) -> Mesh {
-        let FileOrder { places, duplicates, bodies, scene } = order;
-        // In the file, too, vertices are numbered by first use.
-        Mesh { duplicates, bodies, scene, ..self.renumbered(&places, &inverse(&places)) }
+        let FileOrder { places, vertices, duplicates, bodies, scene } = order;
+        let mesh = self.renumbered(
+            &Numbers { present: &places, new: &inverse(&places, Face::index, Face) },
+            &Numbers { present: &vertices, new: &inverse(&vertices, Vertex::index, Vertex) },
+        );
+        Mesh { duplicates, bodies, scene, ..mesh }
     }
 
     /// A copy of the surface alone, without bodies, scene and duplicates.
@@ -60,28 +68,26 @@ impl Mesh {
         }
     }
 
-    /// The same surface with other numbers: `faces` has the present number of every new face, `places` the new number
-    /// of every present one. One list after the other, so that no more than one is there twice.
-    fn renumbered(mut self, faces: &[Face], places: &[Face]) -> Mesh {
-        const UNSEEN: u32 = u32::MAX;
-        let mut number = vec![UNSEEN; self.positions.len()];
-        let mut positions = Vec::with_capacity(self.positions.len());
-        let corners: Vec<[u32; 3]> = faces
-            .iter()
-            .map(|&old| {
-                self.topology.corners(old).map(|v| {
-                    let new = &mut number[v.index()];
-                    if *new == UNSEEN {
-                        *new = positions.len() as u32;
-                        positions.push(self.positions[v.index()]);
-                    }
-                    *new
-                })
-            })
-            .collect();
-        self.positions = positions;
-        drop(number);
-        self.topology = self.topology.renumbered(corners, faces, |h| 3 * places[h as usize / 3].0 + h % 3);
+    /// The vertices by first use in faces that are taken in an order: all, since no vertex is without a face.
+    fn by_first_use(&self, faces: &[Face]) -> Vec<Vertex> {
+        let mut is_seen = vec![false; self.positions.len()];
+        let mut vertices = Vec::with_capacity(self.positions.len());
+        for v in faces.iter().flat_map(|&f| self.topology.corners(f)) {
+            if !std::mem::replace(&mut is_seen[v.index()], true) {
+                vertices.push(v);
+            }
+        }
+        vertices
+    }
+
+    /// The same surface with other numbers. One list after the other, so that no more than one is there twice.
+    fn renumbered(mut self, faces: &Numbers<'_, Face>, vertices: &Numbers<'_, Vertex>) -> Mesh {
+        let corners = |old: &Face| self.topology.corners(*old).map(|v| vertices.new[v.index()].0);
+        let corners: Vec<[u32; 3]> = faces.present.par_iter().map(corners).collect();
+        self.positions = vertices.present.par_iter().map(|old| self.positions[old.index()]).collect();
+        let moved = |h: u32| 3 * faces.new[h as usize / 3].0 + h % 3;
+        let faces = faces.present;
+        self.topology = self.topology.renumbered(corners, faces, moved);
         self.kinds = faces.par_iter().flat_map_iter(|old| old.half_edges().map(|h| self.kinds[h.index()])).collect();
         self.states = faces.par_iter().map(|old| self.states[old.index()]).collect();
         self.flipped = faces.par_iter().map(|old| self.flipped[old.index()]).collect();
@@ -153,11 +159,19 @@ impl Mesh {
     }
 }
 
-/// Where in a list of all faces each of them is.
-fn inverse(faces: &[Face]) -> Vec<Face> {
-    let mut places = vec![Face(0); faces.len()];
-    for (place, face) in faces.iter().enumerate() {
-        places[face.index()] = Face(place as u32);
+/// New numbers for faces or vertices.
+struct Numbers<'n, T> {
+    /// The present number of every new one.
+    present: &'n [T],
+    /// The new number of every present one.
+    new: &'n [T],
+}
+
+/// Where in a list of all faces or vertices each of them is.
+fn inverse<T: Copy>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> T) -> Vec<T> {
+    let mut places = vec![numbered(0); all.len()];
+    for (place, &of) in all.iter().enumerate() {
+        places[index(of)] = numbered(place as u32);
     }
     places
 }
@@ -191,7 +205,7 @@ mod tests {
         let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a sound mesh");
         let (ordered, order) = mesh.surface().into_order();
         let mut seen = vec![false; mesh.face_count()];
-        let faces = inverse(&order.places);
+        let faces = inverse(&order.places, Face::index, Face);
         for (new, &old) in faces.iter().enumerate() {
             let new = Face(new as u32);
             assert!(!std::mem::replace(&mut seen[old.index()], true));

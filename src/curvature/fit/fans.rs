@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 /// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their vertex.
 pub(super) struct Fans<'g> {
     pub(super) ground: &'g Ground<'g>,
-    /// The faces of each fan whose first corner is there.
+    /// The faces of each fan whose least corner is there, by coordinates: whichever corner a file names first.
     faces: Lists,
     /// None where no vertex is divided.
     split: Option<Split>,
@@ -41,7 +41,13 @@ impl<'g> Fans<'g> {
         let corners = split.as_ref().map_or(ground.mesh.topology().faces(), |split| &split.corners);
         let fans = count as usize + split.as_ref().map_or(0, |split| split.vertices.len());
         let is_sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;
-        let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (corners[f as usize][0], f));
+        let least = |f: u32| {
+            let [a, b, c] = ground.mesh.triangle(Face(f)).map(|p| p.to_array());
+            let [x, y, z] = corners[f as usize];
+            let (first, fan) = if b < a { (b, y) } else { (a, x) };
+            if c < first { z } else { fan }
+        };
+        let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (least(f), f));
         let faces = Lists::of_pairs(fans, sound);
         Fans { ground, faces, split }
     }
@@ -115,9 +121,11 @@ impl Split {
             others[v as usize] = i as u32;
         }
         let count = mesh.positions().len() + vertices.len();
-        let neighbours = Lists::of_pairs(count, || half_edges(mesh).flat_map(|h| neighbours(ground, &corners, h)));
+        let neighbours = Lists::of_pairs(count, || {
+            half_edges(mesh, 0..mesh.face_count() as u32).flat_map(|h| neighbours(ground, &corners, h))
+        });
         let mut normals = vec![Vec3::ZERO; count];
-        for (f, normal) in sound_normals(mesh) {
+        for (f, normal) in sound_normals(mesh, 0..mesh.face_count() as u32) {
             corners[f.index()].iter().for_each(|&fan| normals[fan as usize] += normal);
         }
         Split { corners, vertices, others, neighbours, normals }

@@ -1,10 +1,12 @@
 //! What all windows of a mesh share.
 
+use super::blocks::Blocks;
 use super::stars::Stars;
 use super::window::scaled_normal;
 use super::work::Work;
 use crate::mesh::{Face, FaceState, Mesh};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 /// A mesh prepared for windows.
 pub(super) struct Ground<'m> {
@@ -20,13 +22,9 @@ pub(super) struct Ground<'m> {
 
 impl<'m> Ground<'m> {
     pub(super) fn new(mesh: &'m Mesh, over_features: bool, work: &'m Work<'m>) -> Self {
-        let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
-        for (f, normal) in sound_normals(mesh) {
-            for v in mesh.topology().corners(f) {
-                normals[v.index()] += normal;
-            }
-        }
-        Ground { mesh, stars: Stars::new(mesh, over_features), over_features, normals, work }
+        let blocks = Blocks::new(mesh);
+        let normals = vertex_normals(mesh, &blocks);
+        Ground { mesh, stars: Stars::new(mesh, &blocks, over_features), over_features, normals, work }
     }
 
     pub(super) fn position(&self, vertex: u32) -> DVec3 {
@@ -34,9 +32,28 @@ impl<'m> Ground<'m> {
     }
 }
 
-/// The sound faces and their normals, as long as they are wide against the mesh: so that 32 bits hold the squares too.
-pub(super) fn sound_normals(mesh: &Mesh) -> impl Iterator<Item = (Face, Vec3)> {
+fn vertex_normals(mesh: &Mesh, blocks: &Blocks) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; mesh.positions().len()];
+    let later = blocks.fill(&mut normals, |faces, own, normals| {
+        let mut later = Vec::new();
+        for (f, normal) in sound_normals(mesh, faces) {
+            for v in mesh.topology().corners(f) {
+                match own.contains(&v.index()) {
+                    true => normals[v.index() - own.start] += normal,
+                    false => later.push((v, normal)),
+                }
+            }
+        }
+        later
+    });
+    later.into_iter().for_each(|(v, normal)| normals[v.index()] += normal);
+    normals
+}
+
+/// The sound faces of a range and their normals, as long as they are wide against the mesh: so that 32 bits hold the squares
+/// too.
+pub(super) fn sound_normals(mesh: &Mesh, faces: Range<u32>) -> impl Iterator<Item = (Face, Vec3)> {
     let scale = mesh.report().bounds.map_or(1.0, |b| 1.0 / b.size().max_element());
-    let sound = (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
+    let sound = faces.map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
     sound.map(move |f| (f, (scaled_normal(mesh, f) * scale).as_vec3()))
 }

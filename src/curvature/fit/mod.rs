@@ -13,6 +13,7 @@
 
 mod abreast;
 mod batch;
+mod blocks;
 mod choice;
 mod chord;
 mod cyclide;

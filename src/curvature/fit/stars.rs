@@ -1,6 +1,8 @@
 //! What lies around every vertex.
 
+use super::blocks::Blocks;
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, Vertex};
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Of more faces at one vertex, as in the middle of a fan, a window takes only the nearest: time for a
@@ -34,31 +36,29 @@ pub(super) enum Mark {
 }
 
 impl<'m> Stars<'m> {
-    pub(super) fn new(mesh: &'m Mesh, ignore_features: bool) -> Self {
+    pub(super) fn new(mesh: &'m Mesh, blocks: &Blocks, ignore_features: bool) -> Self {
         let topology = mesh.topology();
         let count = mesh.positions().len();
         let (mut borders, mut marks) = (vec![0_u8; count], vec![Mark::Deep; count]);
         // Where windings agree, the half-edges of both faces show an edge from both ends.
         let is_shown_twice = |h: HalfEdge| topology.twin(h).is_some_and(|twin| !topology.is_flipped(h, twin));
-        let mut neighbours = Lists::counted(count);
-        for h in half_edges(mesh) {
+        let neighbours = Lists::by_vertex(count, blocks, |faces| {
+            half_edges(mesh, faces).flat_map(|h| {
+                let (a, b) = (topology.origin(h).0, topology.target(h).0);
+                [(a, b), (b, a)].into_iter().take(2 - usize::from(is_shown_twice(h)))
+            })
+        });
+        let is_no_inner = |h: &HalfEdge| mesh.edge_kind(*h) != EdgeKind::Inner;
+        let others = blocks
+            .each(vec![(); blocks.own().len()], |faces, _, ()| half_edges(mesh, faces).filter(is_no_inner).collect());
+        for h in others {
             let both = [topology.origin(h), topology.target(h)].map(Vertex::index);
-            neighbours.ends[both[0]] += 1;
-            neighbours.ends[both[1]] += u32::from(!is_shown_twice(h));
             match mesh.edge_kind(h) {
                 EdgeKind::Inner => {}
                 EdgeKind::Boundary => both.into_iter().for_each(|v| borders[v] = borders[v].saturating_add(1)),
                 EdgeKind::NonManifold => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
                 EdgeKind::Feature if ignore_features => {}
                 EdgeKind::Feature => both.into_iter().for_each(|v| marks[v] = Mark::Divided),
-            }
-        }
-        neighbours.make_room();
-        for h in half_edges(mesh) {
-            let (a, b) = (topology.origin(h), topology.target(h));
-            neighbours.push(a.0, b.0);
-            if !is_shown_twice(h) {
-                neighbours.push(b.0, a.0);
             }
         }
         for (v, mark) in marks.iter_mut().enumerate() {
@@ -123,10 +123,10 @@ impl<'m> Stars<'m> {
     }
 }
 
-/// The half-edges of the faces that take part.
-pub(super) fn half_edges(mesh: &Mesh) -> impl Iterator<Item = HalfEdge> {
+/// The half-edges of the faces of a range that take part.
+pub(super) fn half_edges(mesh: &Mesh, faces: Range<u32>) -> impl Iterator<Item = HalfEdge> {
     let takes_part = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
-    (0..mesh.face_count() as u32).map(Face).filter(takes_part).flat_map(Face::half_edges)
+    faces.map(Face).filter(takes_part).flat_map(Face::half_edges)
 }
 
 /// Lists of numbers one behind the other, as many as vertices for instance: first the lengths are counted in `ends`, then
@@ -150,8 +150,57 @@ impl Lists {
         lists
     }
 
+    /// From pairs of a vertex and an entry that blocks of faces tell.
+    fn by_vertex<I: Iterator<Item = (u32, u32)>>(
+        count: usize,
+        blocks: &Blocks,
+        pairs: impl Fn(Range<u32>) -> I + Sync,
+    ) -> Self {
+        let mut lists = Lists::counted(count);
+        let others = blocks.fill(&mut lists.ends, |faces, own, ends| {
+            let mut others = Vec::new();
+            pairs(faces).for_each(|(v, _)| match own.contains(&(v as usize)) {
+                true => ends[v as usize - own.start] += 1,
+                false => others.push(v),
+            });
+            others
+        });
+        others.into_iter().for_each(|v| lists.ends[v as usize] += 1);
+        lists.make_room();
+        let mut shares = Vec::with_capacity(blocks.own().len());
+        let (mut ends, mut entries, mut start) = (&mut lists.ends[..], &mut lists.entries[..], 0);
+        for own in blocks.own() {
+            let of_own;
+            (of_own, ends) = ends.split_at_mut(own.len());
+            let until = ends.first().map_or(start + entries.len(), |&next| next as usize);
+            let share;
+            (share, entries) = entries.split_at_mut(until - start);
+            shares.push((start, of_own, share));
+            start = until;
+        }
+        let others = blocks.each(shares, |faces, own, (start, ends, entries)| {
+            let mut others = Vec::new();
+            pairs(faces).for_each(|(v, entry)| {
+                if own.contains(&(v as usize)) {
+                    let end = &mut ends[v as usize - own.start];
+                    entries[*end as usize - start] = entry;
+                    *end += 1;
+                } else {
+                    others.push((v, entry));
+                }
+            });
+            others
+        });
+        others.into_iter().for_each(|(v, entry)| lists.push(v, entry));
+        lists
+    }
+
     fn of_faces(mesh: &Mesh) -> Self {
-        let corners = || half_edges(mesh).map(|h| (mesh.topology().origin(h).0, h.face().0));
+        // Not by blocks side by side: those who wait for the lists may be what another block would wait for.
+        let corners = || {
+            let all = 0..mesh.face_count() as u32;
+            half_edges(mesh, all).map(|h| (mesh.topology().origin(h).0, h.face().0))
+        };
         Lists::of_pairs(mesh.positions().len(), corners)
     }
 
