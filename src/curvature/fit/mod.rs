@@ -36,6 +36,7 @@ mod prior;
 mod probe;
 mod quantum;
 mod rings;
+mod rough;
 mod rulings;
 mod samples;
 mod scale;

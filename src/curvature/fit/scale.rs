@@ -9,6 +9,7 @@ use super::fans::Fans;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch};
 use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober, unexplained};
+use super::rough::{self, Noise};
 use super::seeds::tiers;
 use super::steady::ROUGH_WINDOW;
 use crate::mesh::{Face, Mesh};
@@ -18,11 +19,8 @@ use std::ops::Range;
 const CANDIDATES: usize = LEVELS.len() * MODELS;
 /// Growth of the variance of samples from the first to the second level that says that the surface is
 /// smooth and its fits too coarse, not that it is noisy.
-const SMOOTH: f64 = 6.8;
+pub(super) const SMOOTH: f64 = 6.8;
 const CHUNK: usize = 64;
-/// Seeds that stand for all when the kind of surface is judged, and levels that are looked at.
-const JUDGES: usize = 400;
-const JUDGED: usize = 4;
 /// Levels at which all seeds are looked at; each one further up, about half of those before.
 const DENSE: usize = 4;
 
@@ -34,48 +32,15 @@ pub(super) fn is_fine(mesh: &Mesh) -> bool {
     mesh.positions().len() >= LEAST_WINDOWS * ROUGH_WINDOW
 }
 
-/// True where a surface is rough: noise and detail at every scale from the edges up, as real scans have
-/// it. No window is then better than another by what the data say.
-pub(super) fn is_rough(fans: &Fans<'_>, seeds: &[Face]) -> bool {
-    /// Noise in edges below which a surface is no scan's.
-    const LEAST_NOISE: f64 = 0.013;
-    /// Least growth of the deviation from the first level to the fourth.
-    const LEAST_GROWTH: f64 = 1.15;
-    /// Growth of what the noise does not explain from the third level to the fourth, from which it is
-    /// the detail of a smooth surface.
-    const SMOOTH_GROWTH: f64 = 2.6;
-    let mesh = fans.ground.mesh;
-    if !is_fine(mesh) {
-        return false;
-    }
-    let step = seeds.len().div_ceil(JUDGES).max(1);
-    let judges: Vec<Face> = seeds.iter().copied().step_by(step).collect();
-    let none = vec![u32::MAX; mesh.face_count()];
-    let mut probes: Vec<Probe> = judges.into_iter().map(Probe::new).collect();
-    probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none, 0.0);
-    let median = |of: &dyn Fn(&Probe) -> f64| {
-        let mut values: Vec<f64> = probes.iter().map(of).filter(|v| v.is_finite()).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let quartic = |level: usize| median(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
-    let cyclide = median(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
-    let (noise, third, fourth) = (quartic(0), quartic(2), quartic(3));
-    let beyond = |deviation: f64| (deviation * deviation - noise * noise).max(0.0).sqrt();
-    noise >= LEAST_NOISE
-        && fourth.min(cyclide) >= LEAST_GROWTH * noise
-        && beyond(fourth) < SMOOTH_GROWTH * beyond(third)
-}
-
 /// Values for the faces that are `wanted`, from patches around `seeds`; `None` where the surface turns
 /// out smooth or no patch reaches.
-pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<Option<Blended>> {
+pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool], kind: Noise) -> Vec<Option<Blended>> {
     let ground = fans.ground;
     let mut seed_of = vec![u32::MAX; ground.mesh.face_count()];
     for (i, seed) in seeds.iter().enumerate() {
         seed_of[seed.index()] = i as u32;
     }
-    let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed)).collect();
+    let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed, kind.hopeless())).collect();
     probe_all(fans, probes.iter_mut().collect(), 0..DENSE, &seed_of, 0.45);
     // Larger windows overlap more: fewer of them say the same.
     let tiers = tiers(ground, seeds, |i| &probes[i].neighbours, &[1; LEVELS.len() - DENSE]);
@@ -90,7 +55,7 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
         .par_chunks(CHUNK)
         .map(|chunk| {
             ground.work.advance(0);
-            chunk.iter().filter_map(|probe| choose(probe, &probes)).collect()
+            chunk.iter().filter_map(|probe| choose(probe, &probes, kind)).collect()
         })
         .collect();
     drop(probes);
@@ -110,7 +75,13 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
 }
 
 /// Adds levels to probes, which takes about `share` of the work on all faces.
-fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>, seed_of: &[u32], share: f64) {
+pub(super) fn probe_all(
+    fans: &Fans<'_>,
+    mut probes: Vec<&mut Probe>,
+    levels: Range<usize>,
+    seed_of: &[u32],
+    share: f64,
+) {
     let count = probes.len();
     probes.par_chunks_mut(CHUNK).for_each_init(
         || Prober::new(fans),
@@ -122,7 +93,7 @@ fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>,
 }
 
 /// The choice for a seed, or none where the surface is smooth.
-fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
+fn choose(probe: &Probe, probes: &[Probe], kind: Noise) -> Option<Choice> {
     let mean = |of: &dyn Fn(&Probe) -> f64| {
         let values = probe.neighbours.iter().map(|&i| of(&probes[i as usize])).filter(|v| v.is_finite());
         let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
@@ -133,29 +104,38 @@ fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
     if growth > SMOOTH {
         return None;
     }
-    let noise = mean(&|p| p.noise);
-    let variance: [f64; CANDIDATES] =
-        std::array::from_fn(|j| noise * mean(&|p| p.at(j / MODELS).variances[j % MODELS]));
-    let misfit: [f64; CANDIDATES] = std::array::from_fn(|j| mean(&|p| p.at(j / MODELS).misfits[j % MODELS]));
-    let there = |j: usize| variance[j].is_finite() && probe.may_have(j / MODELS, j % MODELS);
-    let detail = |j: usize| unexplained(misfit[j], noise, j / MODELS);
+    fn tensor(p: &Probe, j: usize) -> &[f64; 6] {
+        &p.at(j / MODELS).tensors[j % MODELS]
+    }
+    let between = |i: usize, j: usize| mean(&|p| distance_squared(tensor(p, i), tensor(p, j)));
+    let is_alike = kind == Noise::Alike;
     let is_polynomial = |j: usize| j % MODELS < POLYNOMIALS;
+    let unit: [f64; CANDIDATES] = std::array::from_fn(|j| mean(&|p| p.at(j / MODELS).variances[j % MODELS]));
+    let there = |j: usize| unit[j].is_finite() && probe.may_have(j / MODELS, j % MODELS);
+    let least = mean(&|p| p.noise);
+    let noise = if is_alike {
+        let polynomials: [f64; CANDIDATES] =
+            std::array::from_fn(|j| if is_polynomial(j) && there(j) { unit[j] } else { f64::INFINITY });
+        rough::alike(&polynomials, between).map_or(least, |alike| alike.max(least))
+    } else {
+        least
+    };
+    let variance = unit.map(|unit| noise * unit);
+    let misfit: [f64; CANDIDATES] = std::array::from_fn(|j| mean(&|p| p.at(j / MODELS).misfits[j % MODELS]));
+    // Alike noise is left in part by large windows only, as detail is: misfits tell nothing.
+    let detail = |j: usize| if is_alike { 0.0 } else { unexplained(misfit[j], noise, j / MODELS) };
     // Only polynomials that explain their window bear witness to the bias of others.
     let witness: [bool; CANDIDATES] =
         std::array::from_fn(|i| is_polynomial(i) && there(i) && (i < 2 * MODELS || detail(i) == 0.0));
     // A cyclide is believed where it explains its window better than a polynomial does.
     let believed = |j: usize| is_polynomial(j) || misfit[j] < misfit[j - 1];
 
-    fn tensor(p: &Probe, j: usize) -> &[f64; 6] {
-        &p.at(j / MODELS).tensors[j % MODELS]
-    }
     let mut best = (f64::INFINITY, usize::MAX);
     for j in (0..CANDIDATES).filter(|&j| there(j) && believed(j)) {
         let mut bias = 0.0_f64;
-        let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j];
+        let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= kind.reach() * variance[j];
         for i in (0..CANDIDATES).filter(|&i| witness[i] && less_biased(i)) {
-            let between = mean(&|p| distance_squared(tensor(p, i), tensor(p, j)));
-            bias = bias.max(between - (variance[i] - variance[j]));
+            bias = bias.max(between(i, j) - (variance[i] - variance[j]));
         }
         let risk = variance[j] * (1.0 + detail(j)) + bias;
         if risk < best.0 {
