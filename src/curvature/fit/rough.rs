@@ -2,9 +2,12 @@
 //! vertices as that of scanners is, or a surface that is rough at every scale.
 
 use super::fans::Fans;
-use super::probe::{HOPELESS, MODELS, POLYNOMIALS, Probe};
+use super::lanes::LANES;
+use super::probe::{HOPELESS, POLYNOMIALS, Probe};
 use super::scale::{SMOOTH, is_fine, probe_all};
+use super::steady::Steady;
 use crate::mesh::Face;
+use rayon::prelude::*;
 
 /// Seeds that stand for all when the kind of surface is judged, and levels that are looked at.
 const JUDGES: usize = 400;
@@ -42,13 +45,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     let none = vec![u32::MAX; fans.ground.mesh.face_count()];
     let mut probes: Vec<Probe> = seeds.iter().step_by(step).map(|&seed| Probe::new(seed, HOPELESS)).collect();
     probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none, 0.0);
-    let median = |of: &dyn Fn(&Probe) -> f64| {
-        let mut values: Vec<f64> = probes.iter().map(of).filter(|v| v.is_finite()).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let quartic = |level: usize| median(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
-    let cyclide = median(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
+    let of_all = |of: &dyn Fn(&Probe) -> f64| median(probes.iter().map(of)).unwrap_or(0.0);
+    let quartic = |level: usize| of_all(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
+    let cyclide = of_all(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
     let (noise, second, third, fourth) = (quartic(0), quartic(1), quartic(2), quartic(3));
     let beyond = |deviation: f64| (deviation * deviation - noise * noise).max(0.0).sqrt();
     if noise >= LEAST_NOISE
@@ -59,6 +58,40 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     }
     let growth = (second / noise).powi(2);
     if is_everywhere && (ALIKE_GROWTH..SMOOTH).contains(&growth) { Noise::Alike } else { Noise::Independent }
+}
+
+/// Vertices in the window of a rough surface that turns by [`TURN`] over it: about six edges around.
+pub(super) const WINDOW: usize = 120;
+/// Radians from the middle of such a window to its rim, in the median.
+const TURN: f64 = 0.8;
+
+/// Vertices in every window of a rough surface. No scale stands out on it, but the more closely it was sampled, the less it
+/// turns over a window of so many vertices. So windows are the wider the less it turns, and a scan of half as many faces
+/// gets windows of nearly the same width.
+pub(super) fn window(fans: &Fans<'_>, seeds: &[Face]) -> usize {
+    /// Smaller windows show the noise, larger ones cost more than they tell.
+    const LEAST: f64 = 48.0;
+    const MOST: f64 = 400.0;
+    // All seeds: some of them would depend on the order of faces, and all values on them.
+    let turns: Vec<f64> = seeds
+        .par_chunks(LANES)
+        .map_init(|| Steady::new(fans), |steady, four| steady.around_faces(four, WINDOW))
+        .flatten_iter()
+        .flatten()
+        .map(|value| {
+            let k = value.shape.principal();
+            value.radius * k.k_max.hypot(k.k_min)
+        })
+        .collect();
+    let wider = median(turns).map_or(1.0, |turn| TURN / turn);
+    (WINDOW as f64 * wider * wider).clamp(LEAST, MOST).round() as usize
+}
+
+/// The median of what is a finite number.
+fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 impl Noise {
@@ -84,9 +117,9 @@ pub(super) fn alike(units: &[f64], between: impl Fn(usize, usize) -> f64) -> Opt
     const FIRST: usize = 1;
     /// So much less variance others must have.
     const LESS: f64 = 3.0;
-    /// The smallest window averages alike noise less than others do: it moves as one there.
+    /// How much more counts as noise than that shows: the smallest window moves with alike noise as one, and so differs
+    /// less from others than they are off.
     const SMALL: f64 = 6.0;
-    debug_assert!(FIRST < MODELS && units.len() % MODELS == 0);
     let others = (0..units.len()).filter(|&j| LESS * units[j] <= units[FIRST]);
     let apart = others.map(|j| between(FIRST, j) / (units[FIRST] - units[j])).filter(|v| v.is_finite());
     apart.min_by(f64::total_cmp).map(|least| SMALL * least)

@@ -9,9 +9,8 @@ use super::fans::Fans;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch};
 use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober, unexplained};
-use super::rough::{self, Noise};
+use super::rough::{self, Noise, WINDOW};
 use super::seeds::tiers;
-use super::steady::ROUGH_WINDOW;
 use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -29,7 +28,7 @@ const DENSE: usize = 4;
 pub(super) fn is_fine(mesh: &Mesh) -> bool {
     /// Windows that a surface must hold.
     const LEAST_WINDOWS: usize = 20;
-    mesh.positions().len() >= LEAST_WINDOWS * ROUGH_WINDOW
+    mesh.positions().len() >= LEAST_WINDOWS * WINDOW
 }
 
 /// Values for the faces that are `wanted`, from patches around `seeds`; `None` where the surface turns
