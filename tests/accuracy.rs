@@ -5,8 +5,8 @@ mod common;
 
 use common::{percentile, size, values_of};
 use glam::DVec3;
-use osculate::synth::{Grid, RoundedBox, Surface, Synthetic};
-use osculate::{CurvatureOptions, FaceClass, FaceCurvature, Positions, Soup};
+use osculate::synth::{Grid, RoundedBox, ScanNoise, Surface, Synthetic};
+use osculate::{CurvatureOptions, FaceClass, FaceCurvature, Method, Positions, Soup};
 
 const TORUS: Surface = Surface::Torus { major: 3.0, minor: 1.0 };
 
@@ -58,6 +58,60 @@ fn errors_on_a_wave_fall_with_the_third_power_of_the_edges() {
 fn noise_of_a_tenth_of_an_edge_leaves_a_few_percent() {
     let p95 = p95(&Grid { noise: 0.1, ..irregular(TORUS, 5_000) }.build());
     assert!(p95 < 3.0, "{p95} %");
+}
+
+/// Noise that is alike at neighbouring vertices looks like detail to small windows.
+#[test]
+fn noise_of_a_scanner_is_not_taken_for_detail() {
+    for (surface, deviation, most) in [(TORUS, 0.1, 7.0), (Surface::Wave, 0.05, 38.0), (Surface::Wave, 0.1, 65.0)] {
+        let scan = ScanNoise { deviation, view: DVec3::new(1.0, 2.0, 3.0), seed: 1 };
+        let p95 = p95(&scan.apply(irregular(surface, 10_000).build()));
+        assert!(p95 < most, "noise {deviation}: {p95} %");
+    }
+}
+
+/// The radius of all windows on a terrain of bumps at every scale, so many vertices along each side, in the median.
+fn window_on_terrain(side: usize, steepness: f64) -> f64 {
+    let height = |x: f64, y: f64| {
+        (0..6_i32)
+            .map(|octave| {
+                let (turn, frequency) = (f64::from(octave) * 2.4, 12.0 * 2.0_f64.powi(octave));
+                let along = x * turn.cos() + y * turn.sin();
+                let across = y * turn.cos() - x * turn.sin();
+                steepness / frequency.powf(1.5) * (frequency * along + turn).sin() * (frequency * across).cos()
+            })
+            .sum::<f64>()
+    };
+    let step = 1.0 / side as f64;
+    let points: Vec<[f64; 3]> = (0..side * side)
+        .map(|v| {
+            // Moved off the grid, which would be in step with the bumps.
+            let moved = |times: f64| ((v as f64 + 1.0) * times).fract() * 0.6;
+            let x = ((v % side) as f64 + moved(0.754_877_666)) * step;
+            let y = ((v / side) as f64 + moved(0.569_840_291)) * step;
+            [x, y, height(x, y)]
+        })
+        .collect();
+    let corner = |x: usize, y: usize| (y * side + x) as u32;
+    let cells = (1..side).flat_map(|y| (1..side).map(move |x| (x, y)));
+    let triangles = cells.flat_map(|(x, y)| {
+        let [a, b, c, d] = [corner(x - 1, y - 1), corner(x, y - 1), corner(x, y), corner(x - 1, y)];
+        [[a, b, c], [a, c, d]]
+    });
+    let soup = Soup::new(Positions::F64(points), triangles.collect());
+    let values = values_of(&soup, &CurvatureOptions::default());
+    let share = values.iter().filter(|v| v.method == Method::Window).count() as f64 / values.len() as f64;
+    assert!(share > 0.99, "{share} of the faces have windows of one size");
+    percentile(values.iter().map(|v| f64::from(v.radius)), 0.5)
+}
+
+/// A scan that is decimated shows the same scale, and a calm one is averaged more widely than one full of detail.
+#[test]
+fn windows_of_rough_surfaces_follow_the_surface_not_the_mesh() {
+    let [fine, coarse, calm] = [(150, 3.0), (106, 3.0), (150, 2.0)].map(|(side, steep)| window_on_terrain(side, steep));
+    // Windows of as many vertices would be 1.41 times as wide.
+    assert!((0.8..1.32).contains(&(coarse / fine)), "{fine} around fine faces, {coarse} around coarse ones");
+    assert!(calm > 1.1 * fine, "{calm} on a calm terrain, {fine} on a steep one");
 }
 
 /// Noise in one half must not cost the other its precision, nor itself its large windows.

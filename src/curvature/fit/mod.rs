@@ -37,6 +37,7 @@ mod prior;
 mod probe;
 mod quantum;
 mod rings;
+mod rough;
 mod rulings;
 mod samples;
 mod scale;

@@ -4,6 +4,7 @@ use super::fans::Fans;
 use super::first::Quality;
 use super::ground::Ground;
 use super::patches::Blended;
+use super::rough::{self, Noise};
 use super::samples::Sampler;
 use super::{CHUNK, Worker, blended_value, scale, seeds, steady};
 use crate::curvature::{CurvatureOptions, FaceCurvature, Method};
@@ -103,8 +104,9 @@ fn look_wider(
     const LEAST: usize = 13;
     let seeds = seeds::seeds(ground, wanted);
     let fans = Fans::new(ground);
-    let is_rough = scale::is_rough(&fans, &seeds);
-    let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted) };
+    let kind = rough::judge(&fans, &seeds, is_everywhere);
+    let is_rough = kind == Noise::Rough;
+    let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted, kind) };
     let mut left = wanted.to_vec();
     let replace = |values: Vec<Option<Blended>>, method: Method, left: &mut [bool], out: &mut [FaceCurvature]| {
         for ((out, value), left) in out.iter_mut().zip(values).zip(left) {
@@ -132,9 +134,9 @@ fn look_wider(
     let ground = Ground::new(ground.mesh, true, ground.work);
     let fans = Fans::new(&ground);
     if is_rough {
-        replace(steady::around_vertices(&fans), Method::Window, &mut left, out);
+        replace(steady::around_vertices(&fans, rough::window(&fans, &seeds)), Method::Window, &mut left, out);
     } else {
-        let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left);
+        let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left, kind);
         replace(values, Method::Patches, &mut left, out);
     }
 }

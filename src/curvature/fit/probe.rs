@@ -21,7 +21,7 @@ pub(super) const MODELS: usize = POLYNOMIALS + 1;
 /// The first level at which a cyclide is believed.
 const FIRST_CYCLIDE: usize = 2;
 /// A larger window is not tried where the variance of samples has grown to this many times its least.
-const HOPELESS: f64 = 9.0;
+pub(super) const HOPELESS: f64 = 9.0;
 
 /// A seed's fits, level by level.
 pub(super) struct Probe {
@@ -37,6 +37,8 @@ pub(super) struct Probe {
     pub(super) frame: Option<Frame>,
     /// False where a larger window would be in vain.
     goes_on: bool,
+    /// As [`HOPELESS`], for this seed.
+    hopeless: f64,
 }
 
 /// The fits to a window.
@@ -139,7 +141,8 @@ impl<'g> Prober<'g> {
                     let reach = unit * if level == 0 { 2.0 } else { 2.0_f64.sqrt() };
                     probe.neighbours = seeds_within(sampler, seed_of, centres[lane], reach);
                 }
-                probe.goes_on = sampler.points.len() >= LEVELS[level] && deviations[lane] <= HOPELESS * probe.noise;
+                probe.goes_on =
+                    sampler.points.len() >= LEVELS[level] && deviations[lane] <= probe.hopeless * probe.noise;
             }
         }
     }
@@ -214,9 +217,9 @@ fn seeds_within(sampler: &Sampler<'_>, seed_of: &[u32], centre: DVec3, reach: f6
 }
 
 impl Probe {
-    pub(super) fn new(seed: Face) -> Self {
+    pub(super) fn new(seed: Face, hopeless: f64) -> Self {
         let (levels, neighbours) = (Vec::new(), Vec::new());
-        Probe { seed, levels, noise: f64::INFINITY, spacing: 0.0, neighbours, frame: None, goes_on: true }
+        Probe { seed, levels, noise: f64::INFINITY, spacing: 0.0, neighbours, frame: None, goes_on: true, hopeless }
     }
 
     /// What it found at a level.

@@ -9,8 +9,8 @@ use super::fans::Fans;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch};
 use super::probe::{Choice, LEVELS, MODELS, POLYNOMIALS, Probe, Prober, unexplained};
+use super::rough::{self, Noise, WINDOW};
 use super::seeds::tiers;
-use super::steady::ROUGH_WINDOW;
 use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -18,11 +18,8 @@ use std::ops::Range;
 const CANDIDATES: usize = LEVELS.len() * MODELS;
 /// Growth of the variance of samples from the first to the second level that says that the surface is
 /// smooth and its fits too coarse, not that it is noisy.
-const SMOOTH: f64 = 6.8;
+pub(super) const SMOOTH: f64 = 6.8;
 const CHUNK: usize = 64;
-/// Seeds that stand for all when the kind of surface is judged, and levels that are looked at.
-const JUDGES: usize = 400;
-const JUDGED: usize = 4;
 /// Levels at which all seeds are looked at; each one further up, about half of those before.
 const SPARSE: usize = 2;
 /// The same where windows of no more than level [`DENSE_UP_TO`] are chosen: what they say changes from place to place.
@@ -34,60 +31,27 @@ const DENSE_UP_TO: usize = 5;
 pub(super) fn is_fine(mesh: &Mesh) -> bool {
     /// Windows that a surface must hold.
     const LEAST_WINDOWS: usize = 20;
-    mesh.positions().len() >= LEAST_WINDOWS * ROUGH_WINDOW
-}
-
-/// True where a surface is rough: noise and detail at every scale from the edges up, as real scans have
-/// it. No window is then better than another by what the data say.
-pub(super) fn is_rough(fans: &Fans<'_>, seeds: &[Face]) -> bool {
-    /// Noise in edges below which a surface is no scan's.
-    const LEAST_NOISE: f64 = 0.013;
-    /// Least growth of the deviation from the first level to the fourth.
-    const LEAST_GROWTH: f64 = 1.15;
-    /// Growth of what the noise does not explain from the third level to the fourth, from which it is
-    /// the detail of a smooth surface.
-    const SMOOTH_GROWTH: f64 = 2.6;
-    let mesh = fans.ground.mesh;
-    if !is_fine(mesh) {
-        return false;
-    }
-    let step = seeds.len().div_ceil(JUDGES).max(1);
-    let judges: Vec<Face> = seeds.iter().copied().step_by(step).collect();
-    let none = vec![u32::MAX; mesh.face_count()];
-    let mut probes: Vec<Probe> = judges.into_iter().map(Probe::new).collect();
-    probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none, 0.0);
-    let median = |of: &dyn Fn(&Probe) -> f64| {
-        let mut values: Vec<f64> = probes.iter().map(of).filter(|v| v.is_finite()).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let quartic = |level: usize| median(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
-    let cyclide = median(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
-    let (noise, third, fourth) = (quartic(0), quartic(2), quartic(3));
-    let beyond = |deviation: f64| (deviation * deviation - noise * noise).max(0.0).sqrt();
-    noise >= LEAST_NOISE
-        && fourth.min(cyclide) >= LEAST_GROWTH * noise
-        && beyond(fourth) < SMOOTH_GROWTH * beyond(third)
+    mesh.positions().len() >= LEAST_WINDOWS * WINDOW
 }
 
 /// Values for the faces that are `wanted`, from patches around `seeds`; `None` where the surface turns
 /// out smooth or no patch reaches.
-pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<Option<Blended>> {
+pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool], kind: Noise) -> Vec<Option<Blended>> {
     let ground = fans.ground;
     let mut seed_of = vec![u32::MAX; ground.mesh.face_count()];
     for (i, seed) in seeds.iter().enumerate() {
         seed_of[seed.index()] = i as u32;
     }
-    let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed)).collect();
+    let mut probes: Vec<Probe> = seeds.iter().map(|&seed| Probe::new(seed, kind.hopeless())).collect();
     probe_all(fans, probes.iter_mut().collect(), 0..SPARSE, &seed_of, 0.1);
     // Larger windows overlap more: fewer of them say the same.
     let tiers = tiers(ground, seeds, |i| &probes[i].neighbours, &[1; LEVELS.len() - SPARSE]);
     probe_more(fans, &mut probes, &seed_of, |i| SPARSE + tiers[i]);
     let mut choices = vec![None; seeds.len()];
-    choose_all(fans, &probes, &mut choices);
+    choose_all(fans, &probes, kind, &mut choices);
     let is_dense: Vec<bool> = choices.iter().map(|c| c.as_ref().is_some_and(|c| c.level <= DENSE_UP_TO)).collect();
     probe_more(fans, &mut probes, &seed_of, |i| if is_dense[i] { DENSE + tiers[i] } else { 0 });
-    choose_all(fans, &probes, &mut choices);
+    choose_all(fans, &probes, kind, &mut choices);
     // Patches lie about as close as windows of their size.
     let stays = |i: usize, choice: &Choice| choice.level <= tiers[i] + if is_dense[i] { DENSE - 1 } else { SPARSE };
     let chosen: Vec<Choice> =
@@ -108,7 +72,13 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool]) -> Vec<
 }
 
 /// Adds levels to probes, which takes about `share` of the work on all faces.
-fn probe_all(fans: &Fans<'_>, mut probes: Vec<&mut Probe>, levels: Range<usize>, seed_of: &[u32], share: f64) {
+pub(super) fn probe_all(
+    fans: &Fans<'_>,
+    mut probes: Vec<&mut Probe>,
+    levels: Range<usize>,
+    seed_of: &[u32],
+    share: f64,
+) {
     let count = probes.len();
     probes.par_chunks_mut(CHUNK).for_each_init(
         || Prober::new(fans),
@@ -135,47 +105,58 @@ fn probe_more(fans: &Fans<'_>, probes: &mut [Probe], seed_of: &[u32], wanted: im
 }
 
 /// Chooses for all seeds.
-fn choose_all(fans: &Fans<'_>, probes: &[Probe], choices: &mut [Option<Choice>]) {
+fn choose_all(fans: &Fans<'_>, probes: &[Probe], kind: Noise, choices: &mut [Option<Choice>]) {
     choices.par_chunks_mut(CHUNK).zip(probes.par_chunks(CHUNK)).for_each(|(choices, some)| {
         fans.ground.work.advance(0);
-        choices.iter_mut().zip(some).for_each(|(choice, probe)| *choice = choose(probe, probes));
+        choices.iter_mut().zip(some).for_each(|(choice, probe)| *choice = choose(probe, probes, kind));
     });
 }
 
 /// The choice for a seed, or none where the surface is smooth.
-fn choose(probe: &Probe, probes: &[Probe]) -> Option<Choice> {
+fn choose(probe: &Probe, probes: &[Probe], kind: Noise) -> Option<Choice> {
     let around: Vec<&Probe> = probe.neighbours.iter().map(|&i| &probes[i as usize]).collect();
     let quartic = |p: &Probe, level: usize| p.at(level).misfits[1];
     if mean(&around, |p| (quartic(p, 1) / quartic(p, 0)).ln()).exp() > SMOOTH {
         return None;
     }
-    let noise = mean(&around, |p| p.noise);
     // Those that have been looked at with windows of a level.
     let looked: [Vec<&Probe>; LEVELS.len()] =
         std::array::from_fn(|level| around.iter().copied().filter(|p| p.levels() > level).collect());
     let (level_of, model_of) = (|j: usize| j / MODELS, |j: usize| j % MODELS);
-    let variance: [f64; CANDIDATES] =
-        std::array::from_fn(|j| noise * mean(&looked[level_of(j)], |p| p.at(level_of(j)).variances[model_of(j)]));
+    let tensor = |p: &Probe, j: usize| p.at(level_of(j)).tensors[model_of(j)];
+    let between = |i: usize, j: usize| {
+        mean(&looked[level_of(i).max(level_of(j))], |p| distance_squared(&tensor(p, i), &tensor(p, j)))
+    };
+    let is_alike = kind == Noise::Alike;
+    let is_polynomial = |j: usize| model_of(j) < POLYNOMIALS;
+    let unit: [f64; CANDIDATES] =
+        std::array::from_fn(|j| mean(&looked[level_of(j)], |p| p.at(level_of(j)).variances[model_of(j)]));
+    let there = |j: usize| unit[j].is_finite() && probe.may_have(level_of(j), model_of(j));
+    let least = mean(&around, |p| p.noise);
+    let noise = if is_alike {
+        let polynomials: [f64; CANDIDATES] =
+            std::array::from_fn(|j| if is_polynomial(j) && there(j) { unit[j] } else { f64::INFINITY });
+        rough::alike(&polynomials, between).map_or(least, |alike| alike.max(least))
+    } else {
+        least
+    };
+    let variance = unit.map(|unit| noise * unit);
     let misfit: [f64; CANDIDATES] =
         std::array::from_fn(|j| mean(&looked[level_of(j)], |p| p.at(level_of(j)).misfits[model_of(j)]));
-    let there = |j: usize| variance[j].is_finite() && probe.may_have(level_of(j), model_of(j));
-    let detail = |j: usize| unexplained(misfit[j], noise, level_of(j));
-    let is_polynomial = |j: usize| model_of(j) < POLYNOMIALS;
+    // Alike noise is left in part by large windows only, as detail is: misfits tell nothing.
+    let detail = |j: usize| if is_alike { 0.0 } else { unexplained(misfit[j], noise, level_of(j)) };
     // Only polynomials that explain their window bear witness to the bias of others.
     let witness: [bool; CANDIDATES] =
         std::array::from_fn(|i| is_polynomial(i) && there(i) && (level_of(i) < 2 || detail(i) == 0.0));
     // A cyclide is believed where it explains its window better than a polynomial does.
     let believed = |j: usize| is_polynomial(j) || misfit[j] < misfit[j - 1];
 
-    let tensor = |p: &Probe, j: usize| p.at(level_of(j)).tensors[model_of(j)];
     let mut best = (f64::INFINITY, usize::MAX);
     for j in (0..CANDIDATES).filter(|&j| there(j) && believed(j)) {
         let mut bias = 0.0_f64;
-        let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= 16.0 * variance[j];
+        let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= kind.reach() * variance[j];
         for i in (0..CANDIDATES).filter(|&i| witness[i] && less_biased(i)) {
-            let both = &looked[level_of(i).max(level_of(j))];
-            let between = mean(both, |p| distance_squared(&tensor(p, i), &tensor(p, j)));
-            bias = bias.max(between - (variance[i] - variance[j]));
+            bias = bias.max(between(i, j) - (variance[i] - variance[j]));
         }
         let risk = variance[j] * (1.0 + detail(j)) + bias;
         if risk < best.0 {

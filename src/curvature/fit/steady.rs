@@ -14,8 +14,6 @@ use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Vertices in the window of a rough surface: about six edges around.
-pub(super) const ROUGH_WINDOW: usize = 120;
 /// Least number of vertices in a window of given radius, where the patch has them.
 const LEAST: usize = 16;
 
@@ -37,7 +35,7 @@ struct Taken {
 
 /// The values of all faces of a rough surface: a paraboloid in chord coordinates around every vertex,
 /// averaged over each face's corners.
-pub(super) fn around_vertices(fans: &Fans<'_>) -> Vec<Option<Blended>> {
+pub(super) fn around_vertices(fans: &Fans<'_>, window: usize) -> Vec<Option<Blended>> {
     const CHUNK: usize = 256;
     let ground = fans.ground;
     let mut around: Vec<Option<Blended>> = vec![None; ground.mesh.positions().len()];
@@ -48,7 +46,7 @@ pub(super) fn around_vertices(fans: &Fans<'_>) -> Vec<Option<Blended>> {
             let is_used = |&v: &usize| !ground.stars.neighbours(v as u32).is_empty();
             let used: Vec<usize> = (chunk * CHUNK..).take(values.len()).filter(is_used).collect();
             for four in used.chunks(LANES) {
-                let found = steady.around(four);
+                let found = steady.around(four, window);
                 four.iter().zip(found).for_each(|(v, value)| values[v % CHUNK] = value);
             }
         },
@@ -73,13 +71,22 @@ impl<'g> Steady<'g> {
         Steady { samplers, abreast: Abreast::new(), chords: ChordFitter::new() }
     }
 
-    /// Paraboloids around up to four vertices.
-    fn around(&mut self, vertices: &[usize]) -> [Option<Blended>; LANES] {
+    /// Paraboloids around up to four faces, in windows of so many vertices.
+    pub(super) fn around_faces(&mut self, faces: &[Face], window: usize) -> [Option<Blended>; LANES] {
+        self.fit(faces.len(), |lane, sampler| {
+            let centre = sampler.fans.ground.mesh.barycentre(faces[lane]);
+            sampler.start(faces[lane]);
+            Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
+        })
+    }
+
+    /// The same around up to four vertices.
+    fn around(&mut self, vertices: &[usize], window: usize) -> [Option<Blended>; LANES] {
         self.fit(vertices.len(), |lane, sampler| {
             let vertex = vertices[lane] as u32;
             let centre = sampler.fans.ground.position(vertex);
             sampler.start_at(vertex);
-            Some(Taken { frame: sampler.take_nearest(centre, ROUGH_WINDOW)?, centre, degree: 2 })
+            Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
         })
     }
 
