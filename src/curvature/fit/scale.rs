@@ -151,12 +151,18 @@ fn choose(probe: &Probe, probes: &[Probe], kind: Noise) -> Option<Choice> {
     // A cyclide is believed where it explains its window better than a polynomial does.
     let believed = |j: usize| is_polynomial(j) || misfit[j] < misfit[j - 1];
 
+    // Of large windows all are alike off where none follows the surface: only small ones can tell, if for their own
+    // variance they can tell anything.
+    const FAR: f64 = 5.0;
     let mut best = (f64::INFINITY, usize::MAX);
     for j in (0..CANDIDATES).filter(|&j| there(j) && believed(j)) {
         let mut bias = 0.0_f64;
-        let less_biased = |i: usize| variance[i] >= 1.15 * variance[j] && variance[i] <= kind.reach() * variance[j];
-        for i in (0..CANDIDATES).filter(|&i| witness[i] && less_biased(i)) {
-            bias = bias.max(between(i, j) - (variance[i] - variance[j]));
+        for i in (0..CANDIDATES).filter(|&i| witness[i] && variance[i] >= 1.15 * variance[j]) {
+            let is_near = variance[i] <= kind.reach() * variance[j];
+            if is_near || !is_alike {
+                let chance = if is_near { variance[i] - variance[j] } else { FAR * variance[i] };
+                bias = bias.max(between(i, j) - chance);
+            }
         }
         let risk = variance[j] * (1.0 + detail(j)) + bias;
         if risk < best.0 {
