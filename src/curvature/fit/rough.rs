@@ -3,8 +3,9 @@
 
 use super::fans::Fans;
 use super::lanes::LANES;
+use super::lepski::SMOOTH;
 use super::probe::{HOPELESS, POLYNOMIALS, Probe};
-use super::scale::{SMOOTH, is_fine, probe_all};
+use super::scale::{is_fine, probe_all};
 use super::steady::Steady;
 use crate::mesh::Face;
 use rayon::prelude::*;
@@ -101,10 +102,22 @@ impl Noise {
         if self == Noise::Alike { 20.0 } else { HOPELESS }
     }
 
-    /// How many times the variance of a fit those have at most that bear witness to its bias. Small windows
-    /// average less of alike noise than their variances say, and would pass it off as bias of far larger ones.
-    pub(super) fn reach(self) -> f64 {
-        if self == Noise::Alike { 6.0 } else { 16.0 }
+    /// How far a fit is by chance from one of more variance, squared: what is beyond is bias. `None` for one that has little
+    /// more or cannot tell.
+    pub(super) fn chance(self, witness: f64, variance: f64) -> Option<f64> {
+        const LEAST: f64 = 1.15;
+        // Small windows average less of alike noise than their variances say, and would pass it off as bias of far larger
+        // ones.
+        let reach = if self == Noise::Alike { 6.0 } else { 16.0 };
+        // Large windows that all miss the surface are alike off. Far smaller ones can tell, if for their own variance they
+        // can tell anything.
+        const FAR: f64 = 5.0;
+        match (self, witness <= reach * variance) {
+            _ if witness < LEAST * variance => None,
+            (_, true) => Some(witness - variance),
+            (Noise::Alike, false) => None,
+            (_, false) => Some(FAR * witness),
+        }
     }
 }
 
