@@ -58,7 +58,7 @@ pub(super) struct F<E>(E, f32x8);
 #[derive(Clone, Copy)]
 pub(super) struct M<E>(E, m32x8);
 
-/// Eight edges of [`Steps`].
+/// Eight edges of [`Steps`](super::steps::Steps).
 #[derive(Clone, Copy)]
 pub(super) struct Edges<E>(E, u32x8);
 
