@@ -5,9 +5,9 @@
 //!    order elsewhere. Windows that carry no fit are left to the paper's sections.
 //! 2. [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it; [`strips`]: long facets
 //!    that lie side by side are fitted in a row; [`flats`]: what folds only because its neighbours bend is flat.
-//! 3. Where fits leave errors that count, the surface is noisy, and [`rough`] judges in what way: [`scale`] and [`lepski`] choose
-//!    larger windows from the data and [`patches`] blends what they show; a surface that is rough at every scale gets one
-//!    window for all, from [`steady`].
+//! 3. Where fits leave errors that count, the surface is noisy, and [`rough`] judges in what way: [`scale`] and
+//!    [`lepski`] choose larger windows from the data and [`patches`] blends what they show; a surface that is
+//!    rough at every scale gets one window for all, from [`steady`].
 //!
 //! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
@@ -73,6 +73,7 @@ const CHUNK: usize = 1024;
 /// Share of doubtful faces from which a surface is noisy all over: rows of facets and flats tell nothing then. CAD parts have
 /// up to eight tenths.
 const NOISY: f64 = 0.9;
+
 /// What values of single faces need; one per thread.
 struct Worker<'g> {
     ground: &'g Ground<'g>,

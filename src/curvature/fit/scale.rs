@@ -1,7 +1,7 @@
 //! The window for a noisy place: as large as the surface lets it be.
 //!
-//! Around each seed, surfaces are fitted to nested windows ([`probe`](super::probe)), the larger ones around some of the seeds;
-//! [`lepski`](super::lepski) chooses among them, and patches are laid where they are chosen.
+//! Around each seed, surfaces are fitted to nested windows ([`probe`](super::probe)), the larger ones around some of
+//! the seeds only; [`lepski`](super::lepski) chooses among them, and patches are laid where they are chosen.
 
 use super::fans::Fans;
 use super::lanes::LANES;
