@@ -8,7 +8,7 @@ use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvatu
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, OutputFormat, ReadOptions};
 use crate::legend;
-use crate::mesh::{Mesh, MeshOptions};
+use crate::mesh::{Face, FaceState, Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
@@ -337,13 +337,26 @@ pub(crate) fn keep_settings(provenance: &mut Value, own: &Value) {
     }
 }
 
+/// Says so where faces that have an area and a place have no values.
+pub(crate) fn note_of_lost_values(mesh: &Mesh, values: &[FaceCurvature]) -> Option<Note> {
+    let is_lost =
+        |(f, v): &(usize, &FaceCurvature)| !v.is_estimated() && mesh.face_state(Face(*f as u32)) == FaceState::Sound;
+    let lost = values.par_iter().enumerate().filter(is_lost).count();
+    (lost > 0).then(|| {
+        Note::repaired(format!(
+            "{lost} of {} faces got no values although they have an area: their curvature or its square is beyond 32-bit floats; scale the mesh nearer to size one",
+            values.len()
+        ))
+    })
+}
+
 /// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits. Values that were
 /// read from a file were judged when they were estimated.
 pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     let weak = |v: &FaceCurvature| match v.method {
+        _ if !v.is_estimated() => [0, 0],
         // Flat faces lose nothing by it.
-        _ if !v.is_estimated() || v.class == FaceClass::Flat => [0, 0],
-        Method::Sections => [usize::from(v.coverage < 0.5), 0],
+        Method::Sections => [usize::from(v.coverage < 0.5 && v.class != FaceClass::Flat), 0],
         Method::None => [0, 0],
         _ => [0, usize::from(v.confidence < 0.1)],
     };
@@ -356,7 +369,7 @@ pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     }
     (10 * of_fits > all).then(|| {
         Note::info(format!(
-            "{of_fits} of {all} faces have confidence below 0.1: noise, or detail that the mesh is too coarse for; a larger --radius gives steadier values"
+            "{of_fits} of {all} faces have confidence below 0.1: noise, coordinates with too few digits, or detail that the mesh is too coarse for; a larger --radius gives steadier values"
         ))
     })
 }

@@ -1,6 +1,6 @@
 //! A mesh whose values are known, on its way into files: the second half of annotating.
 
-use crate::annotate::{AnnotateOptions, keep_settings, note_of_weak_values};
+use crate::annotate::{AnnotateOptions, keep_settings, note_of_lost_values, note_of_weak_values};
 use crate::annotation::{Annotation, ColorCarrier, Space};
 use crate::color::ColorScale;
 use crate::condition::Condition;
@@ -144,6 +144,8 @@ impl Annotated<'_> {
             provenance,
         };
         let mut notes: Vec<Note> = mesh.report().remarks().into_iter().map(Note::info).collect();
+        let lost = annotation.provenance.get("reused").is_none().then(|| note_of_lost_values(mesh, values));
+        notes.extend(lost.flatten());
         notes.extend(note_of_weak_values(values));
         notes.extend(annotation.note_of_missing_face_numbers(format));
         if let Some(out) = &mut besides.edges {

@@ -100,12 +100,21 @@ fn describe(found: &Inspection) -> String {
 
 fn describe_bounds(Bounds { min, max }: Bounds) -> String {
     let size = max - min;
-    let [min, max, size] = [min, max, size].map(|v| v.to_array().map(short).join(" "));
-    format!("({min}) to ({max}), size {}", size.replace(' ', " x "))
+    let extent = size.max_element();
+    // Far from zero, as many more as it takes to tell one end from the other.
+    let digits = |value: f64| (value.abs() / extent).log10().ceil().clamp(0.0, 11.0) as usize + 5;
+    let [min, max] = [min, max].map(|v| v.to_array().map(|value| rounded(value, digits(value))).join(" "));
+    format!("({min}) to ({max}), size {}", size.to_array().map(short).join(" x "))
 }
 
 /// Five significant digits, in plain notation where that is short.
 fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
-    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { rounded.to_string() } else { format!("{value:.4e}") }
+    rounded(value, 5)
+}
+
+/// So many significant digits.
+fn rounded(value: f64, digits: usize) -> String {
+    let text = format!("{value:.*e}", digits - 1);
+    let plain = value == 0.0 || (1e-4..10.0_f64.powi(digits as i32 + 2)).contains(&value.abs());
+    text.parse().ok().filter(|_| plain).map_or(text, |rounded: f64| rounded.to_string())
 }

@@ -1,14 +1,16 @@
 //! An order of faces and vertices in which what lies close together in space lies close together in memory.
 
-use super::Mesh;
 use super::ids::{Face, Vertex};
+use super::{EdgeKind, Mesh};
 use crate::soup::{Group, Scene};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Bits of a coordinate in a place on the curve.
-const BITS: u32 = 21;
+/// Bits of a coordinate in a place on the curve: where there is room for them, enough that few faces of a million share a
+/// cell; and in each of these cells.
+const COARSE: u32 = 13;
+const FINE: u32 = 21;
 
 /// What it takes to bring a mesh back from the order along the curve.
 pub(crate) struct FileOrder {
@@ -35,8 +37,8 @@ impl Mesh {
         let faces = self.along_curve();
         let duplicates = std::mem::take(&mut self.duplicates);
         let (bodies, scene) = (std::mem::take(&mut self.bodies), self.scene.take());
-        let present = self.by_first_use(&faces);
-        let (places, vertices) = (inverse(&faces, Face::index, Face), inverse(&present, Vertex::index, Vertex));
+        let (present, vertices) = self.by_first_use(&faces);
+        let places = inverse(&faces, Face::index, Face);
         let mesh =
             self.renumbered(&Numbers { present: &faces, new: &places }, &Numbers { present: &present, new: &vertices });
         (mesh, FileOrder { places, vertices, duplicates, bodies, scene })
@@ -68,16 +70,20 @@ impl Mesh {
         }
     }
 
-    /// The vertices by first use in faces that are taken in an order: all, since no vertex is without a face.
-    fn by_first_use(&self, faces: &[Face]) -> Vec<Vertex> {
-        let mut is_seen = vec![false; self.positions.len()];
-        let mut vertices = Vec::with_capacity(self.positions.len());
+    /// The vertices by first use in faces that are taken in an order, all, since no vertex is without a face; and the number
+    /// each of them gets.
+    fn by_first_use(&self, faces: &[Face]) -> (Vec<Vertex>, Vec<Vertex>) {
+        const UNSEEN: Vertex = Vertex(u32::MAX);
+        let mut numbers = vec![UNSEEN; self.positions.len()];
+        let mut vertices = Vec::with_capacity(numbers.len());
         for v in faces.iter().flat_map(|&f| self.topology.corners(f)) {
-            if !std::mem::replace(&mut is_seen[v.index()], true) {
+            let number = &mut numbers[v.index()];
+            if *number == UNSEEN {
+                *number = Vertex(vertices.len() as u32);
                 vertices.push(v);
             }
         }
-        vertices
+        (vertices, numbers)
     }
 
     /// The same surface with other numbers. One list after the other, so that no more than one is there twice.
@@ -88,9 +94,16 @@ impl Mesh {
         let moved = |h: u32| 3 * faces.new[h as usize / 3].0 + h % 3;
         let faces = faces.present;
         self.topology = self.topology.renumbered(corners, faces, moved);
-        self.kinds = faces.par_iter().flat_map_iter(|old| old.half_edges().map(|h| self.kinds[h.index()])).collect();
-        self.states = faces.par_iter().map(|old| self.states[old.index()]).collect();
-        self.flipped = faces.par_iter().map(|old| self.flipped[old.index()]).collect();
+        if !is_uniform(&self.kinds) {
+            let kinds = |old: &Face| old.half_edges().map(|h| self.kinds[h.index()]);
+            self.kinds = faces.par_iter().map(kinds).collect::<Vec<[EdgeKind; 3]>>().into_flattened();
+        }
+        if !is_uniform(&self.states) {
+            self.states = faces.par_iter().map(|old| self.states[old.index()]).collect();
+        }
+        if !is_uniform(&self.flipped) {
+            self.flipped = faces.par_iter().map(|old| self.flipped[old.index()]).collect();
+        }
         self
     }
 
@@ -99,35 +112,36 @@ impl Mesh {
         let Some((centre, axes, size)) = self.own_frame() else {
             return (0..self.face_count() as u32).map(Face).collect();
         };
-        let cells = f64::from(1_u32 << (BITS - 1));
-        let local = |f: u32| (axes.transpose() * (self.barycentre(Face(f)) - centre) / size).to_array();
-        let mut places: Vec<(u64, u32)> = (0..self.face_count() as u32)
-            .into_par_iter()
-            .map(|f| {
-                // From 0 to 2 per axis; what lies further out shares the last cell.
-                let [x, y, z] = local(f).map(|c| spread(((c + 1.0) * cells).clamp(0.0, 2.0 * cells - 1.0) as u64));
-                (x | y << 1 | z << 2, f)
-            })
-            .collect();
-        radsort::sort_by_key(&mut places, |place| place.0);
-        for alike in places.chunk_by_mut(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1) {
-            alike.sort_by(|a, b| {
-                let pairs = local(a.1).into_iter().zip(local(b.1));
-                pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b))).then(a.1.cmp(&b.1))
-            });
-        }
-        places.into_iter().map(|place| Face(place.1)).collect()
+        let to_local = axes.transpose() * size.recip();
+        let local = |face: Face| to_local * (self.barycentre(face) - centre);
+        // A place on the curve and the number of its face share 64 bits.
+        let number_bits = u32::BITS - (self.face_count() as u32).leading_zeros();
+        let bits = COARSE.min((u64::BITS - number_bits) / 3);
+        let coarse = |f: u32| place(local(Face(f)), bits) << number_bits | u64::from(f);
+        let mut places: Vec<u64> = (0..self.face_count() as u32).into_par_iter().map(coarse).collect();
+        radsort::sort_by_key(&mut places, |place| place >> number_bits);
+        let face = |place: u64| Face((place & ((1 << number_bits) - 1)) as u32);
+        let is_in_one_cell = |a: &u64, b: &u64| a >> number_bits == b >> number_bits;
+        let cells = places.par_chunk_by_mut(is_in_one_cell).filter(|cell| cell.len() > 1);
+        cells.for_each_init(Vec::new, |finer, cell| {
+            finer.clear();
+            finer.extend(cell.iter().map(|&coarse| {
+                let local = local(face(coarse));
+                (place(local, FINE), local, coarse)
+            }));
+            finer.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_coordinates(a.1, b.1)).then(a.2.cmp(&b.2)));
+            cell.iter_mut().zip(&*finer).for_each(|(to, from)| *to = from.2);
+        });
+        places.into_par_iter().map(face).collect()
     }
 
     /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way to
     /// the vertex farthest from there, the way to the vertex farthest from that line, and four times the mean distance
     /// (root of the mean square), which a lone far vertex changes little.
     fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
-        let all = || self.positions.par_iter().copied().filter(|p| p.is_finite());
-        // In chunks, so that the sum does not depend on the threads.
-        let sums: Vec<(DVec3, usize)> = self
-            .positions
-            .par_chunks(1 << 16)
+        // In chunks, so that sums do not depend on the threads.
+        let chunks = || self.positions.par_chunks(1 << 14);
+        let sums: Vec<(DVec3, usize)> = chunks()
             .map(|chunk| {
                 let finite = chunk.iter().filter(|p| p.is_finite());
                 finite.fold((DVec3::ZERO, 0), |(sum, count), p| (sum + p, count + 1))
@@ -135,23 +149,22 @@ impl Mesh {
             .collect();
         let (sum, count) = sums.into_iter().fold((DVec3::ZERO, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         let centre = sum / count as f64;
-        // Among equals not the first in the file.
         let farthest = |from: &(dyn Fn(DVec3) -> DVec3 + Sync)| {
-            all().map(|p| (from(p - centre).length_squared(), p)).reduce_with(|a, b| {
-                let is_less = a.0.total_cmp(&b.0).then_with(|| {
-                    let pairs = a.1.to_array().into_iter().zip(b.1.to_array());
-                    pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
-                });
-                if is_less == Ordering::Less { b } else { a }
-            })
+            // Among equals not the first in the file.
+            let further = |a: (f64, DVec3), b: (f64, DVec3)| {
+                if a.0 < b.0 || a.0 == b.0 && by_coordinates(a.1, b.1).is_lt() { b } else { a }
+            };
+            let of_chunk = |chunk: &[DVec3]| {
+                let all = chunk.iter().map(|&p| (from(p - centre).length_squared(), p));
+                all.filter(|far| far.0.is_finite()).reduce(further)
+            };
+            chunks().filter_map(of_chunk).reduce_with(further)
         };
         let (_, end) = farthest(&|d| d)?;
         let x = (end - centre).try_normalize()?;
         let (_, side) = farthest(&|d| d.reject_from_normalized(x))?;
         let y = (side - centre).reject_from_normalized(x).try_normalize().unwrap_or(x.any_orthonormal_vector());
-        let squares: Vec<f64> = self
-            .positions
-            .par_chunks(1 << 16)
+        let squares: Vec<f64> = chunks()
             .map(|chunk| chunk.iter().filter(|p| p.is_finite()).map(|p| p.distance_squared(centre)).sum())
             .collect();
         let size = 4.0 * (squares.into_iter().sum::<f64>() / count as f64).sqrt();
@@ -176,9 +189,28 @@ fn inverse<T: Copy>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> T) ->
     places
 }
 
+/// True where all values are the same, in whatever order.
+fn is_uniform<T: PartialEq>(values: &[T]) -> bool {
+    values.first().is_none_or(|first| values.iter().all(|value| value == first))
+}
+
+/// Where on the curve a point is, whose coordinates are from -1 to 1; what lies further out shares the last cells.
+#[inline]
+fn place(point: DVec3, bits: u32) -> u64 {
+    let half = f64::from(1_u32 << (bits - 1));
+    let cell = |c: f64| spread(((c + 1.0) * half).clamp(0.0, 2.0 * half - 1.0) as u32);
+    cell(point.x) | cell(point.y) << 1 | cell(point.z) << 2
+}
+
+fn by_coordinates(a: DVec3, b: DVec3) -> Ordering {
+    let pairs = a.to_array().into_iter().zip(b.to_array());
+    pairs.fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(&b)))
+}
+
 /// The lower 21 bits of a number, two zeros behind each.
-fn spread(x: u64) -> u64 {
-    let x = x.min((1 << BITS) - 1);
+#[inline]
+fn spread(x: u32) -> u64 {
+    let x = u64::from(x) & ((1 << FINE) - 1);
     let x = (x | x << 32) & 0x001F_0000_0000_FFFF;
     let x = (x | x << 16) & 0x001F_0000_FF00_00FF;
     let x = (x | x << 8) & 0x100F_00F0_0F00_F00F;
@@ -189,14 +221,33 @@ fn spread(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::MeshOptions;
+    use crate::mesh::{HalfEdge, MeshOptions};
     use crate::synth::{Grid, Surface};
+    use crate::{Positions, Soup};
 
     #[test]
     fn bits_are_spread() {
-        for bit in 0..BITS {
+        for bit in 0..FINE {
             assert_eq!(spread(1 << bit), 1 << (3 * bit));
         }
+    }
+
+    /// A vertex far away makes all others share a few cells.
+    #[test]
+    fn neighbours_stay_close_beside_one_far_vertex() {
+        let soup = Grid::new(Surface::Saddle, 100, 100).build().soup;
+        let far = soup.positions.len() as u32;
+        let mut positions: Vec<[f64; 3]> = (0..far).map(|v| soup.positions.get(v as usize).to_array()).collect();
+        positions.push([1e5, 3e4, 2e4]);
+        let triangles = [&soup.triangles[..], &[[0, 1, far]]].concat();
+        let mesh = Mesh::from_soup(&Soup::new(Positions::F64(positions), triangles), &MeshOptions::default());
+        let (mesh, _) = mesh.expect("a mesh").into_order();
+        let across =
+            (0..3 * mesh.face_count() as u32).filter_map(|h| Some((h / 3, mesh.topology().twin(HalfEdge(h))?)));
+        let mut ways: Vec<u32> = across.map(|(f, twin)| f.abs_diff(twin.face().0)).collect();
+        ways.sort_unstable();
+        // 15 along the curve; 48 by coordinates.
+        assert!(ways[ways.len() * 3 / 4] < 25, "{}", ways[ways.len() * 3 / 4]);
     }
 
     #[test]

@@ -61,15 +61,14 @@ impl Topology {
     pub(super) fn renumbered(self, corners: Vec<[u32; 3]>, faces: &[Face], moved: impl Fn(u32) -> u32 + Sync) -> Self {
         let old = self.across;
         drop(self.faces);
-        let across = faces
-            .par_iter()
-            .flat_map_iter(|f| f.half_edges())
-            .map(|h| match old[h.index()] {
+        let across = |f: &Face| {
+            f.half_edges().map(|h| match old[h.index()] {
                 kind @ (BOUNDARY | NON_MANIFOLD) => kind,
                 twin => moved(twin),
             })
-            .collect();
-        Topology { faces: corners, across }
+        };
+        let across: Vec<[u32; 3]> = faces.par_iter().map(across).collect();
+        Topology { faces: corners, across: across.into_flattened() }
     }
 
     /// Number of faces.

@@ -1,7 +1,7 @@
 //! One mesh of a report: read, estimated, and everything that is told about it.
 
 use super::ReportOptions;
-use crate::annotate::{AnnotateOptions, OF_ESTIMATION, keep_settings, note_of_weak_values};
+use crate::annotate::{AnnotateOptions, OF_ESTIMATION, keep_settings, note_of_lost_values, note_of_weak_values};
 use crate::annotation::{Space, Unit};
 use crate::curvature::{self, Estimator, FaceCurvature};
 use crate::error::Error;
@@ -77,6 +77,7 @@ impl Subject {
                     curvature.estimator == Estimator::Auto && options.color_by == Quantity::GaussPerimeter;
                 let values;
                 (mesh, values) = curvature::estimate_owned(mesh, &curvature, progress)?;
+                notes.extend(note_of_lost_values(&mesh, &values));
                 values
             }
         };

@@ -45,7 +45,7 @@ struct Gathered {
 }
 
 impl Batch {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(ground: &Ground<'_>) -> Self {
         Batch {
             seeds: Vec::with_capacity(LANES),
             centres: [DVec3::ZERO; LANES],
@@ -57,7 +57,7 @@ impl Batch {
             coverage: [0.0; LANES],
             marks: [Mark::Deep; LANES],
             rulings: Default::default(),
-            gathered: Gathered { rings: Rings::new(), normals: Vec::new() },
+            gathered: Gathered { rings: Rings::new(ground.mesh.positions().len()), normals: Vec::new() },
             window: Window::new(),
         }
     }

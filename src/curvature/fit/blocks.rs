@@ -61,6 +61,11 @@ impl Blocks {
         later.into_iter().flatten().collect()
     }
 
+    /// What the blocks have to tell, in their order.
+    pub(super) fn of_faces<L: Send>(&self, tell: impl Fn(Range<u32>) -> Vec<L> + Sync) -> Vec<L> {
+        self.each(vec![(); self.own.len()], |faces, _, ()| tell(faces))
+    }
+
     /// The vertices of each block.
     pub(super) fn own(&self) -> &[Range<usize>] {
         &self.own

@@ -23,6 +23,12 @@ pub(super) struct Chosen {
     pub(super) found: [bool; LANES],
 }
 
+/// What a surface must be like. Not a closure: those are not compiled for wider vectors where they are not inlined.
+pub(super) trait Check {
+    /// Whether the surface of each lane passes.
+    fn passes(&self, f: &Polynomial<F4>) -> [bool; LANES];
+}
+
 impl Model {
     pub(super) const ZERO: Model = Model { coefficients: [F4::ZERO; MOST], residual: F4::ZERO, cost: F4::ZERO };
 }
@@ -38,11 +44,7 @@ impl Chosen {
 
     /// The cheapest of the models of the first sizes that passes a check; lanes that are `done` need none.
     #[inline(always)]
-    pub(super) fn among<const M: usize>(
-        models: &[Model; M],
-        done: &[bool; LANES],
-        is_sane: impl Fn(&Polynomial<F4>) -> [bool; LANES],
-    ) -> Self {
+    pub(super) fn among<const M: usize>(models: &[Model; M], done: &[bool; LANES], check: &impl Check) -> Self {
         let mut chosen = Chosen::NONE;
         let mut left = [[true; M]; LANES];
         for _ in 0..M {
@@ -60,9 +62,9 @@ impl Chosen {
                 left[best] = false;
                 chosen.take(i, &models[best], SIZES[best]);
             }
-            let is_sane = is_sane(&Polynomial { coefficients: chosen.coefficients, size: SIZES[M - 1] });
+            let passes = check.passes(&Polynomial { coefficients: chosen.coefficients, size: SIZES[M - 1] });
             let cost = chosen.cost.0;
-            chosen.found = which(|i| chosen.found[i] || is_sane[i] && cost[i] < f64::INFINITY);
+            chosen.found = which(|i| chosen.found[i] || passes[i] && cost[i] < f64::INFINITY);
             if !which(|i| !chosen.found[i] && !done[i]).contains(&true) {
                 break;
             }

@@ -8,18 +8,15 @@
 //! The surface is z = P(X, Y) with P of degree 3 or 4, with constant and linear terms; the frame is
 //! moved and tilted until these are small.
 
-use super::abreast::{Abreast, Frames};
-use super::equations::{Factor, Normal, residual};
-use super::foot::{Foot, Sides};
+use super::abreast::Abreast;
+use super::equations::Factor;
+use super::foot::{Below, Foot};
 use super::frame::Frame;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
+use super::moments::{HIGHEST, Samples, WIDEST, terms, value};
 use super::polynomial::Symmetric;
 use super::shape::Shape;
 use glam::DVec3;
-
-/// Number of terms by degree.
-const TERMS: [usize; 5] = [1, 3, 6, 10, 15];
-const WIDEST: usize = TERMS[4];
 
 /// A fitted surface patch. The frame's unit is the radius of its window.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +27,8 @@ pub(super) struct Chord {
 
 /// Fits four windows at a time.
 pub(super) struct ChordFitter {
-    paraboloids: Rows<{ TERMS[2] }>,
-    cubics: Rows<{ TERMS[3] }>,
-    quartics: Rows<{ TERMS[4] }>,
+    /// In chord coordinates.
+    samples: Samples,
 }
 
 /// The fits to four windows, whose frames they have moved.
@@ -53,18 +49,6 @@ struct Model {
     variance: F4,
 }
 
-/// Monomials at samples and the heights they are to explain, all times the roots of the weights.
-struct Rows<const N: usize> {
-    monomials: Vec<[F4; N]>,
-    heights: Vec<F4>,
-}
-
-#[inline(always)]
-fn monomials<T: Real>(one: T, x: T, y: T) -> [T; WIDEST] {
-    let (xx, xy, yy) = (x * x, x * y, y * y);
-    [one, x, y, xx, xy, yy, xx * x, xx * y, x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy]
-}
-
 /// Chord coordinates of a local point whose height over the tangent plane is `z`.
 #[inline(always)]
 fn chord<T: Real>(p: V3<T>, z: T) -> (T, T) {
@@ -74,49 +58,35 @@ fn chord<T: Real>(p: V3<T>, z: T) -> (T, T) {
     (p.x * stretch, p.y * stretch)
 }
 
-impl<const N: usize> Rows<N> {
-    const NONE: Self = Rows { monomials: Vec::new(), heights: Vec::new() };
-
-    #[inline(always)]
-    fn fill(&mut self, abreast: &Abreast, frames: Frames) {
-        self.monomials.clear();
-        self.heights.clear();
-        for (&p, &root) in abreast.points.iter().zip(&abreast.roots) {
-            let p = frames.to_local(p);
-            let (x, y) = chord(p, p.z);
-            let all = monomials(F4::ONE, x, y);
-            let mut row = [F4::ZERO; N];
-            for (value, monomial) in row.iter_mut().zip(all) {
-                *value = monomial * root;
-            }
-            self.monomials.push(row);
-            self.heights.push(p.z * root);
-        }
-    }
-
+impl ChordFitter {
     /// The equations of the windows, factored.
     #[inline(always)]
-    fn factor(&mut self, abreast: &Abreast, frames: Frames) -> Factor<N> {
-        self.fill(abreast, frames);
-        let mut factor = Factor::new(&Normal::new(&self.monomials, &self.heights));
+    fn factor<const N: usize>(&mut self, abreast: &Abreast, degree: usize) -> Factor<N> {
+        self.samples.clear();
+        for (&p, &root) in abreast.points.iter().zip(&abreast.roots) {
+            let p = abreast.frames.to_local(p);
+            let (x, y) = chord(p, p.z);
+            self.samples.push(x, y, p.z, root * root);
+        }
+        let mut factor = Factor::new(&self.samples.equations(degree));
         factor.factor(N);
         factor
     }
 
-    /// The models of degree 2 and higher, as far as the rows reach.
+    /// The models of degree 2 and higher, up to one of `N` terms.
     #[inline(always)]
-    fn models(&mut self, abreast: &Abreast, highest: [usize; LANES]) -> [Model; 5] {
-        let factor = self.factor(abreast, abreast.frames);
+    fn models<const N: usize>(&mut self, abreast: &Abreast, highest: [usize; LANES], most: usize) -> [Model; 5] {
+        let factor = self.factor::<N>(abreast, most);
         let mut models = [Model::ZERO; 5];
-        for (degree, model) in models.iter_mut().enumerate().skip(2) {
+        for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(2) {
             let is_asked_for = degree > 2 || highest.contains(&2);
-            if TERMS[degree] > N || !is_asked_for {
+            if !is_asked_for {
                 continue;
             }
-            let size = TERMS[degree];
+            let size = terms(degree);
             let coefficients = factor.solve(size);
-            model.residual = residual(&self.monomials, &self.heights, &coefficients, size);
             model.coefficients[..size].copy_from_slice(&coefficients[..size]);
+            model.residual = self.samples.residual(degree, &model.coefficients);
             model.variance = factor.tensor_variance([size; LANES], size);
         }
         models
@@ -141,17 +111,17 @@ impl Kernel for FitLanes<'_> {
     fn run(self) -> ChordFits {
         let FitLanes { fitter, abreast, degrees, rounds } = self;
         let counts = abreast.counts;
-        let carried = counts.map(|count| (2..=4).rev().find(|&d| TERMS[d] + 3 <= count).unwrap_or(0));
+        let carried = counts.map(|count| (2..=4).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
         for _ in 0..rounds {
-            let factor = fitter.cubics.factor(abreast, abreast.frames);
-            let c = factor.solve_each(carried.map(|degree| TERMS[degree.min(3)]));
+            let factor = fitter.factor::<{ terms(3) }>(abreast, 3);
+            let c = factor.solve_each(carried.map(|degree| terms(degree.min(3))));
             abreast.frames = abreast.frames.moved(c[0], c[1], c[2]);
         }
         let highest: [usize; LANES] = std::array::from_fn(|lane| carried[lane].min(degrees[lane]));
         let models = match highest.into_iter().max() {
-            Some(4) => fitter.quartics.models(abreast, highest),
-            Some(3) => fitter.cubics.models(abreast, highest),
-            _ => fitter.paraboloids.models(abreast, highest),
+            Some(4) => fitter.models::<{ terms(4) }>(abreast, highest, 4),
+            Some(3) => fitter.models::<{ terms(3) }>(abreast, highest, 3),
+            _ => fitter.models::<{ terms(2) }>(abreast, highest, 2),
         };
         ChordFits { models, highest, counts }
     }
@@ -159,7 +129,7 @@ impl Kernel for FitLanes<'_> {
 
 impl ChordFitter {
     pub(super) fn new() -> Self {
-        ChordFitter { paraboloids: Rows::NONE, cubics: Rows::NONE, quartics: Rows::NONE }
+        ChordFitter { samples: Samples::default() }
     }
 
     /// Fits polynomials, in each lane up to a degree, to samples around the origins of their frames, none of them further
@@ -182,7 +152,7 @@ impl ChordFits {
 
     /// Variance of a lane's samples about the surface of a degree, in file units squared.
     pub(super) fn deviation_squared(&self, lane: usize, degree: usize, frame: &Frame) -> f64 {
-        let left = (self.counts[lane] - TERMS[degree]) as f64;
+        let left = (self.counts[lane] - terms(degree)) as f64;
         self.models[degree].residual.0[lane] * frame.unit.powi(2) / left
     }
 
@@ -248,12 +218,8 @@ impl<T: Real> Jet<T> {
 #[inline(always)]
 fn height<T: Real>(c: &[T; WIDEST], x: T, y: T) -> Jet<T> {
     let (xx, xy, yy) = (x * x, x * y, y * y);
-    let mut value = c[0];
-    for (&c, monomial) in c.iter().zip(monomials(T::splat(1.0), x, y)).skip(1) {
-        value += c * monomial;
-    }
     Jet {
-        value,
+        value: value::<HIGHEST, T>(c, x, y),
         first: [
             c[1] + c[3] * x * 2.0
                 + c[4] * y
@@ -330,15 +296,20 @@ impl Chord {
         foot_of(&self.coefficients, self.frame.to_local(point).into()).in_space(&self.frame)
     }
 
-    /// Below a point on four surfaces, in space.
+    /// The same surface, for points side by side.
     #[inline(always)]
-    pub(super) fn feet(surfaces: [&Chord; LANES], point: DVec3) -> Foot<F4> {
-        let sides = Sides::of(surfaces.map(|s| &s.frame), point);
-        let mut coefficients = [F4::ZERO; WIDEST];
-        for (i, c) in coefficients.iter_mut().enumerate() {
-            *c = F4::of(surfaces, |s| s.coefficients[i]);
-        }
-        sides.in_space(&foot_of(&coefficients, sides.point))
+    pub(super) fn side_by_side(&self) -> ChordAbreast {
+        ChordAbreast(self.coefficients.map(F4::splat))
+    }
+}
+
+/// A [`Chord`] that is looked at from points side by side.
+pub(super) struct ChordAbreast([F4; WIDEST]);
+
+impl Below for ChordAbreast {
+    #[inline(always)]
+    fn foot(&self, points: V3<F4>) -> Foot<F4> {
+        foot_of(&self.0, points)
     }
 }
 

@@ -41,6 +41,19 @@ impl<const N: usize> Normal<N> {
         normal
     }
 
+    /// From the entries of the lower triangle and of the right side.
+    #[inline(always)]
+    pub(super) fn of(gram: impl Fn(usize, usize) -> F4, right: impl Fn(usize) -> F4) -> Self {
+        let mut normal = Normal { gram: [[F4::ZERO; N]; N], right: [F4::ZERO; N] };
+        for i in 0..N {
+            for j in 0..=i {
+                normal.gram[i][j] = gram(i, j);
+            }
+            normal.right[i] = right(i);
+        }
+        normal
+    }
+
     #[inline(always)]
     fn add_tile(&mut self, rows: &[[F4; N]], values: &[F4]) {
         for i in 0..N {

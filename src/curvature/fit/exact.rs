@@ -2,13 +2,14 @@
 //! a time, one in each lane.
 
 use super::batch::Batch;
-use super::choice::{Chosen, Model, penalties};
+use super::choice::{Check, Chosen, Model, penalties};
 use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::implicit::Implicit;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run, which};
 use super::polynomial::{MOST, Polynomial, SIZES, basis, basis_along};
 use super::prior::priors;
+use super::quantum::Quantum;
 use super::shape::{half_angle, tangents};
 use glam::DMat3;
 
@@ -49,8 +50,7 @@ const RULING_WEIGHT: f64 = 1e-3;
 
 /// Fits four windows at a time.
 pub(super) struct Fitter {
-    /// Rounding of coordinates, in file units.
-    quantum: f64,
+    quantum: Quantum,
     /// What sizes cost, by the number of points.
     penalties: Vec<[f64; SIZES.len()]>,
     samples: Samples,
@@ -84,19 +84,20 @@ pub(super) struct Fits {
     surface: Chosen,
     deviation: F4,
     error: F4,
-    quantum: f64,
+    /// Rounding of coordinates, in units of the frames.
+    rounding: F4,
 }
 
 struct FitLanes<'f> {
     samples: &'f mut Samples,
     batch: &'f Batch,
-    quantum: f64,
+    quantum: Quantum,
     penalties: [F4; SIZES.len()],
 }
 
 impl Fitter {
-    /// For coordinates rounded to `quantum`, in file units.
-    pub(super) fn new(quantum: f64) -> Self {
+    /// For coordinates that are rounded so.
+    pub(super) fn new(quantum: Quantum) -> Self {
         let samples = Samples { points: vec![], normals: vec![], values: vec![], rows: vec![], wide_rows: vec![] };
         Fitter { quantum, penalties: (0..64).map(penalties).collect(), samples }
     }
@@ -120,7 +121,8 @@ impl Kernel for FitLanes<'_> {
         let FitLanes { samples, batch, quantum, penalties } = self;
         let count = F4::of(batch.counts, |c| c as f64);
         let frames = samples.enter(batch);
-        let rounding = F4::splat(quantum) / frames.unit;
+        let around = |lane: usize| quantum.around(batch.centres[lane], frames.unit.0[lane]);
+        let rounding = F4([around(0), around(1), around(2), around(3)]) / frames.unit;
         let floor = count * (rounding * rounding * 0.09 + F4::splat(1e-26));
         let normal = samples.equations(batch, &frames);
         let mut factor = Factor::new(&normal);
@@ -142,7 +144,7 @@ impl Kernel for FitLanes<'_> {
             surface: Chosen::NONE,
             deviation: F4::ZERO,
             error: F4::ZERO,
-            quantum,
+            rounding,
         };
         if !fits.is_flat.contains(&false) {
             return fits;
@@ -159,7 +161,7 @@ impl Kernel for FitLanes<'_> {
             model.coefficients[..SIMPLE].copy_from_slice(&coefficients);
         }
         let reach = batch.reaches / frames.unit;
-        let simple = Chosen::among(&models, &fits.is_flat, |f| samples.is_sane(f, reach));
+        let simple = Chosen::among(&models, &fits.is_flat, &Sanity { samples, reach });
         let degrees = count - F4::of(simple.sizes, |s| s as f64);
         fits.deviation = ((simple.residual + floor) / degrees).sqrt();
         fits.error = fits.deviation * factor.tensor_variance(simple.sizes, SIMPLE).sqrt();
@@ -173,7 +175,8 @@ impl Kernel for FitLanes<'_> {
         });
         if wants_more.contains(&true) {
             let (wide, wide_error) = samples.fit_wide(batch, rounding, floor, penalties[4]);
-            let is_sane = samples.is_sane(&Polynomial { coefficients: wide.coefficients, size: MOST }, reach);
+            let wide_surface = Polynomial { coefficients: wide.coefficients, size: MOST };
+            let is_sane = Sanity { samples, reach }.passes(&wide_surface);
             for i in 0..LANES {
                 if wants_more[i] && is_sane[i] && wide.cost.0[i] < simple.cost.0[i] {
                     fits.surface.take(i, &wide, MOST);
@@ -200,7 +203,10 @@ impl Fits {
             let mut simple = Polynomial { coefficients: [0.0; MOST], size: 3 };
             simple.coefficients.iter_mut().zip(&self.plane).for_each(|(to, from)| *to = from.0[lane]);
             let surface = Implicit { frame, f: simple };
-            return Outcome::Fitted(Fit { surface, simple, radius, coverage, misfit: self.quantum, error: 0.0 });
+            // Whatever bends less than rounding does looks flat.
+            let rounding = self.rounding.0[lane];
+            let (misfit, error) = (rounding * unit, rounding / unit);
+            return Outcome::Fitted(Fit { surface, simple, radius, coverage, misfit, error });
         }
         if batch.counts[lane] < 6 + 2 {
             return Outcome::None;
@@ -285,16 +291,23 @@ impl Samples {
         let error = ((residual + floor) / degrees).sqrt() * factor.tensor_variance([MOST; LANES], MOST).sqrt();
         (Model { coefficients, residual, cost: (residual + floor) * penalty }, error)
     }
+}
 
-    /// False for a surface that turns over within its window: an implicit surface may explain its samples
-    /// with two sheets, of which the faces see the wrong one. False too where it is further from the middle
-    /// than `reach`: it would not be the one the middle belongs to.
+/// True for a surface that does not turn over within its window: an implicit surface may explain its samples with two
+/// sheets, of which the faces see the wrong one. Nor is it further from the middle than `reach`: it would not be the one
+/// the middle belongs to.
+struct Sanity<'s> {
+    samples: &'s Samples,
+    reach: F4,
+}
+
+impl Check for Sanity<'_> {
     #[inline(always)]
-    fn is_sane(&self, f: &Polynomial<F4>, reach: F4) -> [bool; LANES] {
+    fn passes(&self, f: &Polynomial<F4>) -> [bool; LANES] {
         let middle = f.gradient(V3::ZERO);
         let least = middle.dot(middle) * 0.09;
         let (mut slope, mut facing, mut turned) = (F4::splat(f64::INFINITY), F4::splat(0.0), F4::splat(0.0));
-        for (&p, &normal) in self.points.iter().zip(&self.normals) {
+        for (&p, &normal) in self.samples.points.iter().zip(&self.samples.normals) {
             let gradient = f.gradient(p);
             let along = gradient.dot(normal);
             slope = slope.min(gradient.dot(gradient) - least);
@@ -302,7 +315,7 @@ impl Samples {
             turned = turned.min(along * along - least * normal.dot(normal));
         }
         let foot = f.foot(V3::ZERO);
-        let left = reach * reach - foot.dot(foot);
+        let left = self.reach * self.reach - foot.dot(foot);
         which(|i| slope.0[i] >= 0.0 && facing.0[i] >= 0.0 && turned.0[i] >= 0.0 && left.0[i] >= 0.0)
     }
 }

@@ -7,6 +7,7 @@ use super::ground::{Ground, sound_normals};
 use super::stars::{CROWDED, Lists, half_edges};
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Vertex};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their vertex.
 pub(super) struct Fans<'g> {
@@ -15,6 +16,8 @@ pub(super) struct Fans<'g> {
     faces: Lists,
     /// None where no vertex is divided.
     split: Option<Split>,
+    /// Directions of the normals.
+    directions: Vec<Vec3>,
 }
 
 /// Fans where vertices have several.
@@ -49,7 +52,13 @@ impl<'g> Fans<'g> {
         };
         let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (least(f), f));
         let faces = Lists::of_pairs(fans, sound);
-        Fans { ground, faces, split }
+        let normals = split.as_ref().map_or(&ground.normals, |split| &split.normals);
+        let directions = normals.par_iter().map(|normal| normal.normalize_or_zero()).collect();
+        Fans { ground, faces, split, directions }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.ground.mesh.positions().len() + self.split.as_ref().map_or(0, |split| split.vertices.len())
     }
 
     /// The fans at the corners of a face.
@@ -82,6 +91,12 @@ impl<'g> Fans<'g> {
     #[inline]
     pub(super) fn normal(&self, fan: u32) -> Vec3 {
         self.split.as_ref().map_or(&self.ground.normals, |split| &split.normals)[fan as usize]
+    }
+
+    /// The direction of a fan's normal; zero where it has none.
+    #[inline]
+    pub(super) fn direction(&self, fan: u32) -> Vec3 {
+        self.directions[fan as usize]
     }
 
     /// Faces of a fan: each sound face of the mesh is named by just one.
@@ -125,7 +140,7 @@ impl Split {
             half_edges(mesh, 0..mesh.face_count() as u32).flat_map(|h| neighbours(ground, &corners, h))
         });
         let mut normals = vec![Vec3::ZERO; count];
-        for (f, normal) in sound_normals(mesh, 0..mesh.face_count() as u32) {
+        for (f, normal) in sound_normals(mesh, 0..mesh.face_count() as u32, ground.width) {
             corners[f.index()].iter().for_each(|&fan| normals[fan as usize] += normal);
         }
         Split { corners, vertices, others, neighbours, normals }

@@ -3,12 +3,14 @@
 use super::batch::Batch;
 use super::exact::{Fit, Fitter, Outcome};
 use super::ground::Ground;
+use super::groups::{Group, Groups};
 use super::lanes::{F4, Kernel, LANES, Real, V3, run};
 use super::polynomial::Polynomial;
+use super::quantum::Quantum;
 use super::shape::Principal;
 use super::stars::Mark;
 use super::strips::StripWindow;
-use crate::mesh::{EdgeKind, Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use std::ops::Range;
 
 /// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
@@ -61,33 +63,10 @@ pub(super) struct Reading {
 /// Fits windows of single faces; one per thread.
 pub(super) struct Surveyor<'g> {
     ground: &'g Ground<'g>,
-    quantum: f64,
+    quantum: Quantum,
     batch: Batch,
     fitter: Fitter,
-}
-
-/// The faces a fit is read at, its seed the first.
-struct Served {
-    faces: [Face; Served::MOST],
-    count: usize,
-}
-
-impl Served {
-    /// A face, its neighbours over edges and theirs.
-    const MOST: usize = 10;
-
-    fn alone(seed: Face) -> Self {
-        Served { faces: [seed; Served::MOST], count: 1 }
-    }
-
-    fn push(&mut self, face: Face) {
-        self.faces[self.count] = face;
-        self.count += 1;
-    }
-
-    fn faces(&self) -> &[Face] {
-        &self.faces[..self.count]
-    }
+    groups: Groups,
 }
 
 /// Faces that are still to be read.
@@ -122,41 +101,33 @@ impl Kernel for ReadLanes<'_> {
 }
 
 impl<'g> Surveyor<'g> {
-    /// `quantum` is the rounding of the mesh's coordinates, in file units.
-    pub(super) fn new(ground: &'g Ground<'g>, quantum: f64) -> Self {
-        Surveyor { ground, quantum, batch: Batch::new(), fitter: Fitter::new(quantum) }
+    /// `quantum` is the rounding of the mesh's coordinates.
+    pub(super) fn new(ground: &'g Ground<'g>, quantum: Quantum) -> Self {
+        Surveyor { ground, quantum, batch: Batch::new(ground), fitter: Fitter::new(quantum), groups: Groups::new() }
     }
 
     /// Reads all sound faces of a range; `None` is told for those without a fit.
     ///
-    /// In the order of faces each one that is not served yet gets a fit, which serves the faces around it too: its
-    /// neighbours over inner edges, and theirs as well while fits explain their windows to the last digit. Those
-    /// the fit is not good enough for, or that lie apart, get fits of their own.
+    /// Each fit serves the faces around it too: its neighbours over inner edges, and theirs as well while fits explain
+    /// their windows to the last digit. Those the fit is not good enough for, or that lie apart, get fits of their own.
     pub(super) fn survey(&mut self, faces: Range<u32>, mut tell: impl FnMut(Face, Option<Reading>)) {
-        let mesh = self.ground.mesh;
-        let is_sound = |f: u32| mesh.face_state(Face(f)) == FaceState::Sound;
-        let mut open: Vec<bool> = faces.clone().map(is_sound).collect();
+        self.groups.open(self.ground.mesh, faces);
         let mut left = Left::default();
-        let mut served: Vec<Served> = Vec::with_capacity(LANES);
-        let mut is_even = false;
+        let mut served: Vec<Group> = Vec::with_capacity(LANES);
+        let mut steps = 1;
         self.batch.clear();
-        for seed in faces.clone().map(Face) {
-            if !std::mem::take(&mut open[(seed.0 - faces.start) as usize]) {
-                continue;
-            }
-            let mut group = Served::alone(seed);
+        while let Some(seed) = self.groups.seed(steps) {
             self.batch.load(self.ground, seed);
             // Windows that reach an edge of the surface are not alike.
-            let steps = match self.batch.marks[served.len()] {
-                Mark::Deep if is_even => 2,
-                Mark::Deep | Mark::NearEdge => 1,
+            let most = match self.batch.marks[served.len()] {
+                Mark::Deep => 2,
+                Mark::NearEdge => 1,
                 _ => 0,
             };
-            let is_open = |f: Face| faces.contains(&f.0) && std::mem::take(&mut open[(f.0 - faces.start) as usize]);
-            self.add_neighbours(&mut group, steps, is_open);
-            served.push(group);
+            served.push(self.groups.take(seed, steps.min(most)));
             if self.batch.is_full() {
-                is_even = self.read(&mut served, &mut left, &mut tell);
+                let is_even = self.read(&mut served, &mut left, &mut tell);
+                steps = if is_even { 2 } else { 1 };
             }
         }
         self.read(&mut served, &mut left, &mut tell);
@@ -164,7 +135,7 @@ impl<'g> Surveyor<'g> {
         let mut left = Left::default();
         for seeds in alone.chunks(LANES) {
             for &seed in seeds {
-                served.push(Served::alone(seed));
+                served.push(Group::alone(seed));
                 self.batch.load(self.ground, seed);
             }
             self.read(&mut served, &mut left, &mut tell);
@@ -172,7 +143,7 @@ impl<'g> Surveyor<'g> {
         ruled.append(&mut left.ruled);
         for seeds in ruled.chunks(LANES) {
             for &seed in seeds {
-                served.push(Served::alone(seed));
+                served.push(Group::alone(seed));
                 self.batch.load_with_rulings(self.ground, seed);
             }
             self.read(&mut served, &mut left, &mut tell);
@@ -180,33 +151,8 @@ impl<'g> Surveyor<'g> {
         left.ruled.into_iter().for_each(|face| tell(face, None));
     }
 
-    /// Adds the open faces within some steps over inner edges.
-    fn add_neighbours(&self, group: &mut Served, steps: usize, mut is_open: impl FnMut(Face) -> bool) {
-        let mesh = self.ground.mesh;
-        let mut front = 0;
-        for _ in 0..steps {
-            let ring = front..group.count;
-            front = ring.end;
-            for at in ring {
-                for h in group.faces[at].half_edges() {
-                    if mesh.edge_kind(h) == EdgeKind::Inner
-                        && let Some(twin) = mesh.topology().twin(h)
-                        && is_open(twin.face())
-                    {
-                        group.push(twin.face());
-                    }
-                }
-            }
-        }
-    }
-
     /// Fits what is loaded and reads it for all faces it serves. True when all of it is explained to the last digit.
-    fn read(
-        &mut self,
-        served: &mut Vec<Served>,
-        left: &mut Left,
-        tell: &mut impl FnMut(Face, Option<Reading>),
-    ) -> bool {
+    fn read(&mut self, served: &mut Vec<Group>, left: &mut Left, tell: &mut impl FnMut(Face, Option<Reading>)) -> bool {
         let fits = self.fitter.fit(&self.batch);
         let mut is_even = true;
         for (lane, group) in served.drain(..).enumerate() {
@@ -259,7 +205,7 @@ impl<'g> Surveyor<'g> {
             points.set(lane, frame.to_local(self.ground.mesh.barycentre(face)));
         }
         let principal = run(ReadLanes { f, points, unit: frame.unit });
-        let is_uneven = fit.misfit > ROUNDING * self.quantum + ARITHMETIC * fit.radius;
+        let is_uneven = fit.misfit > ROUNDING * self.quantum.around(frame.origin, frame.unit) + ARITHMETIC * fit.radius;
         let misfit = (fit.misfit / (frame.unit * frame.unit)) as f32;
         std::array::from_fn(|lane| {
             let principal = Principal {
@@ -270,7 +216,8 @@ impl<'g> Surveyor<'g> {
             };
             let bend = principal.size();
             let is_doubtful = is_uneven && fit.error >= GOOD * bend;
-            let is_vague = fit.error >= VAGUE * bend && fit.error > 0.0;
+            // A plane is what it is, as far as rounding tells.
+            let is_vague = fit.error >= VAGUE * bend && bend > 0.0;
             bend.is_finite().then_some(Reading {
                 principal,
                 radius: fit.radius,

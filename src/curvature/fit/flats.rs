@@ -7,6 +7,7 @@
 
 use super::first::Quality;
 use super::ground::Ground;
+use super::quantum::Quantum;
 use crate::curvature::{FaceClass, FaceCurvature, Method};
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
 use glam::DVec3;
@@ -26,7 +27,7 @@ const STRAIGHT: f64 = 0.25;
 const MOST: f64 = 0.6;
 
 /// Gives faces no window explains the curvature of their plane, zero, where the folds around it say so.
-pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out: &mut [FaceCurvature]) {
+pub(super) fn settle(ground: &Ground<'_>, quantum: &Quantum, quality: &[Quality], out: &mut [FaceCurvature]) {
     let mesh = ground.mesh;
     let is_open = |f: Face, out: &[FaceCurvature]| {
         quality[f.index()].is_open() && !is_sliver(mesh, f, quantum) && !matches!(out[f.index()].method, Method::Strip)
@@ -49,7 +50,14 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: f64, quality: &[Quality], out
 }
 
 /// All faces that hang together with the seed in one plane, slivers among them, and the half-edges at which they end in a fold.
-fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut Vec<Face>, folds: &mut Vec<HalfEdge>) {
+fn collect(
+    mesh: &Mesh,
+    seed: Face,
+    quantum: &Quantum,
+    seen: &mut [bool],
+    flat: &mut Vec<Face>,
+    folds: &mut Vec<HalfEdge>,
+) {
     flat.clear();
     folds.clear();
     flat.push(seed);
@@ -57,7 +65,8 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
     // Small turns add up: a finely meshed surface is not one flat.
     let is_near = |p: DVec3| {
         let distance = p.distance(origin);
-        (p - origin).dot(normal).abs() <= ROUNDING * quantum * (1.0 + distance / size) + PARALLEL * distance
+        let rounding = ROUNDING * quantum.around(origin, distance);
+        (p - origin).dot(normal).abs() <= rounding * (1.0 + distance / size) + PARALLEL * distance
     };
     seen[seed.index()] = true;
     let mut next = 0;
@@ -81,16 +90,18 @@ fn collect(mesh: &Mesh, seed: Face, quantum: f64, seen: &mut [bool], flat: &mut 
 }
 
 /// True where the normal of a face is that of rounding.
-fn is_sliver(mesh: &Mesh, face: Face, quantum: f64) -> bool {
-    mesh.face_state(face) != FaceState::Sound || mesh.least_height(face) <= ROUNDING * quantum
+fn is_sliver(mesh: &Mesh, face: Face, quantum: &Quantum) -> bool {
+    mesh.face_state(face) != FaceState::Sound
+        || mesh.least_height(face) <= ROUNDING * quantum.around(mesh.barycentre(face), 0.0)
 }
 
 /// True where rounding explains all that a fold turns.
-fn is_coplanar(mesh: &Mesh, h: HalfEdge, twin: HalfEdge, quantum: f64) -> bool {
+fn is_coplanar(mesh: &Mesh, h: HalfEdge, twin: HalfEdge, quantum: &Quantum) -> bool {
     let normals = [h, twin].map(|h| mesh.normal(h.face()));
     let sine = normals[0].cross(normals[1]).length();
+    let rounding = ROUNDING * quantum.around(mesh.barycentre(h.face()), 0.0);
     normals[0].dot(normals[1]) > 0.0
-        && sine <= PARALLEL.max(ROUNDING * quantum * (1.0 / mesh.height(h) + 1.0 / mesh.height(twin)))
+        && sine <= PARALLEL.max(rounding * (1.0 / mesh.height(h) + 1.0 / mesh.height(twin)))
 }
 
 /// True when at most of the folds, by length, all the surface turns is due to the facet beyond.

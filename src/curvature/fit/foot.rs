@@ -1,7 +1,7 @@
 //! What a fitted surface looks like below a point, for one surface or several side by side.
 
 use super::frame::Frame;
-use super::lanes::{F4, LANES, Real, V3};
+use super::lanes::{F4, Real, V3};
 use super::polynomial::{Polynomial, Symmetric};
 use super::shape::Shape;
 use glam::{DMat3, DVec3};
@@ -16,6 +16,20 @@ pub(super) struct Foot<T> {
     pub(super) tensor: Symmetric<T>,
     /// Not above zero where the surface has turned over.
     pub(super) upright: T,
+}
+
+/// A surface seen from points side by side. No closure: those are compiled for the vectors all processors have.
+pub(super) trait Below {
+    /// Below local points, in the local frame.
+    fn foot(&self, points: V3<F4>) -> Foot<F4>;
+}
+
+/// The surface F = 0.
+impl Below for Polynomial<F4> {
+    #[inline(always)]
+    fn foot(&self, points: V3<F4>) -> Foot<F4> {
+        Foot::of(self, points)
+    }
 }
 
 impl<T: Real> Foot<T> {
@@ -45,29 +59,27 @@ impl Foot<f64> {
     }
 }
 
-/// Frames of surfaces side by side.
+/// A frame, for points side by side.
 #[derive(Clone, Copy)]
 pub(super) struct Sides {
-    pub(super) axes: [V3<F4>; 3],
-    pub(super) unit: F4,
-    /// A point in space as seen from each frame.
-    pub(super) point: V3<F4>,
+    origin: DVec3,
+    axes: [V3<F4>; 3],
+    unit: f64,
 }
 
 impl Sides {
     #[inline(always)]
-    pub(super) fn of(frames: [&Frame; LANES], point: DVec3) -> Self {
-        let mut sides = Sides { axes: [V3::ZERO; 3], unit: F4::of(frames, |f| f.unit), point: V3::ZERO };
-        let mut from = V3::ZERO;
-        for (lane, frame) in frames.into_iter().enumerate() {
-            sides.axes[0].set(lane, frame.axes.x_axis);
-            sides.axes[1].set(lane, frame.axes.y_axis);
-            sides.axes[2].set(lane, frame.axes.z_axis);
-            from.set(lane, point - frame.origin);
-        }
-        let [x, y, z] = sides.axes;
-        sides.point = V3::new(from.dot(x), from.dot(y), from.dot(z)).scaled(F4::ONE / sides.unit);
-        sides
+    pub(super) fn of(frame: &Frame) -> Self {
+        let DMat3 { x_axis, y_axis, z_axis } = frame.axes;
+        Sides { origin: frame.origin, axes: [x_axis, y_axis, z_axis].map(V3::splat), unit: frame.unit }
+    }
+
+    /// Points as the frame sees them, given by their ways from a place.
+    #[inline(always)]
+    pub(super) fn to_local(self, way: V3<F4>, place: DVec3) -> V3<F4> {
+        let from = way + V3::splat(place - self.origin);
+        let [x, y, z] = self.axes;
+        V3::new(from.dot(x), from.dot(y), from.dot(z)).scaled(F4::splat(1.0 / self.unit))
     }
 
     #[inline(always)]
@@ -80,7 +92,7 @@ impl Sides {
     #[inline(always)]
     pub(super) fn in_space(&self, foot: &Foot<F4>) -> Foot<F4> {
         let Symmetric { xx, xy, yy, xz, yz, zz } = foot.tensor;
-        let inverse = F4::ONE / self.unit;
+        let inverse = F4::splat(1.0 / self.unit);
         // The columns of the tensor, turned; then its rows.
         let a = self.turned(V3::new(xx, xy, xz)).scaled(inverse);
         let b = self.turned(V3::new(xy, yy, yz)).scaled(inverse);

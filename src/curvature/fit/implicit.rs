@@ -1,8 +1,8 @@
 //! A fitted implicit surface in space.
 
-use super::foot::{Foot, Sides};
+use super::foot::Foot;
 use super::frame::Frame;
-use super::lanes::{F4, LANES};
+use super::lanes::{F4, Real};
 use super::polynomial::{MOST, Polynomial};
 use super::shape::Shape;
 use glam::DVec3;
@@ -30,15 +30,14 @@ impl Implicit {
         Foot::of(&self.f, self.frame.to_local(point).into()).in_space(&self.frame)
     }
 
-    /// Below a point on four surfaces of 13 terms, in space.
+    /// F of 13 terms, for points side by side.
     #[inline(always)]
-    pub(super) fn feet(surfaces: [&Implicit; LANES], point: DVec3) -> Foot<F4> {
+    pub(super) fn side_by_side(&self) -> Polynomial<F4> {
         const TERMS: usize = 13;
-        let sides = Sides::of(surfaces.map(|s| &s.frame), point);
         let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: TERMS };
-        for (i, c) in f.coefficients[..TERMS].iter_mut().enumerate() {
-            *c = F4::of(surfaces, |s| s.f.coefficients[i]);
+        for (to, &from) in f.coefficients[..TERMS].iter_mut().zip(&self.f.coefficients) {
+            *to = F4::splat(from);
         }
-        sides.in_space(&Foot::of(&f, sides.point))
+        f
     }
 }

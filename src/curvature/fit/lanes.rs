@@ -300,6 +300,12 @@ impl From<V3<f64>> for glam::Vec3 {
 impl V3<F4> {
     pub(in crate::curvature) const ZERO: Self = V3 { x: F4::ZERO, y: F4::ZERO, z: F4::ZERO };
 
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(in crate::curvature) fn splat(v: glam::DVec3) -> Self {
+        V3 { x: F4::splat(v.x), y: F4::splat(v.y), z: F4::splat(v.z) }
+    }
+
     #[inline(always)]
     pub(in crate::curvature) fn set(&mut self, lane: usize, v: glam::DVec3) {
         (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (v.x, v.y, v.z);

@@ -25,10 +25,12 @@ mod flats;
 mod foot;
 mod frame;
 mod ground;
+mod groups;
 mod implicit;
 pub(super) mod lanes;
 mod lepski;
 mod marks;
+mod moments;
 mod noise;
 mod one_sided;
 mod patches;
@@ -46,6 +48,7 @@ mod shape;
 mod stars;
 mod steady;
 mod strips;
+mod width;
 mod window;
 mod work;
 
@@ -60,7 +63,7 @@ use glam::Vec3;
 use ground::Ground;
 use lanes::LANES;
 use patches::Blended;
-use quantum::quantum;
+use quantum::{Quantum, quantum};
 use rayon::prelude::*;
 use shape::Principal;
 use std::ops::Range;
@@ -93,7 +96,7 @@ pub(super) fn estimate(
 ) {
     let work = Work::new(progress, out.len());
     let ground = Ground::new(mesh, false, &work);
-    let quantum = quantum(mesh);
+    let quantum = quantum(mesh, ground.width);
     let worker = || Worker {
         ground: &ground,
         options,
@@ -125,7 +128,7 @@ pub(super) fn estimate(
 /// The values of all faces within the radius that the user has given for each.
 fn within<'g>(
     ground: &Ground<'g>,
-    quantum: f64,
+    quantum: Quantum,
     worker: impl Fn() -> Worker<'g> + Sync,
     radius: impl Fn(Face) -> Option<f64> + Sync,
     out: &mut [FaceCurvature],
@@ -137,7 +140,7 @@ fn within<'g>(
         let sound = faces.filter(|&face| ground.mesh.face_state(face) == FaceState::Sound);
         let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
         for four in wanted.chunks(LANES) {
-            for (&(face, _), value) in four.iter().zip(steady.within(four, quantum)) {
+            for (&(face, _), value) in four.iter().zip(steady.within(four, &quantum)) {
                 let out = &mut out[face.index() % CHUNK];
                 match value {
                     Some((value, coverage)) => {
@@ -156,7 +159,7 @@ fn within<'g>(
 /// Values for faces whose windows no surface explains, from the part of the surroundings that goes on as the face does.
 fn look_aside<'g>(
     ground: &Ground<'g>,
-    quantum: f64,
+    quantum: Quantum,
     worker: impl Fn() -> Worker<'g> + Sync,
     quality: &mut [Quality],
     out: &mut [FaceCurvature],
@@ -194,7 +197,7 @@ fn look_aside<'g>(
             }
         }
     });
-    flats::settle(ground, quantum, quality, out);
+    flats::settle(ground, &quantum, quality, out);
 }
 
 impl Worker<'_> {

@@ -4,9 +4,11 @@
 //! face is better than one around it, and steadier.
 
 use super::chord::Chord;
+use super::foot::{Below, Sides};
+use super::frame::Frame;
 use super::ground::Ground;
 use super::implicit::Implicit;
-use super::lanes::{F4, Kernel, LANES, Real, V3, run};
+use super::lanes::{F4, Kernel, LANES, V3, run};
 use super::polynomial::Symmetric;
 use super::shape::Shape;
 use super::stars::Lists;
@@ -30,9 +32,12 @@ pub(super) struct Patch {
     pub(super) surface: Surface,
     /// Expected error of its shape tensor, 1/length.
     pub(super) error: f64,
+    /// What it has little weight for: the expected error. Under noise that is alike at neighbouring samples, that by
+    /// independent samples: the true one is known from few fits, and patches that seem good by chance would prevail.
+    pub(super) doubt: f64,
     /// Standard deviation of its samples, in file units.
     pub(super) noise: f64,
-    /// The faces it reaches.
+    /// The faces it reaches, chunk by chunk: see [`by_chunk`].
     pub(super) faces: Vec<u32>,
 }
 
@@ -52,85 +57,118 @@ impl Surface {
             Surface::Implicit(implicit) => implicit.frame.unit,
         }
     }
+}
 
-    fn is_chord(&self) -> bool {
-        matches!(self, Surface::Chord(_))
+/// Faces that are blended at once.
+const CHUNK: usize = 1024;
+
+/// Faces in the order in which patches keep those they reach.
+pub(super) fn by_chunk(mut faces: Vec<u32>) -> Vec<u32> {
+    faces.sort_unstable_by_key(|&f| chunk_of(f));
+    faces
+}
+
+impl Patch {
+    /// The chunks in which it reaches faces.
+    fn chunks(&self) -> impl Iterator<Item = u32> {
+        self.faces.chunk_by(|&a, &b| chunk_of(a) == chunk_of(b)).map(|faces| chunk_of(faces[0]))
+    }
+
+    /// Its faces in a chunk.
+    fn faces_of(&self, chunk: u32) -> &[u32] {
+        let start = self.faces.partition_point(|&f| chunk_of(f) < chunk);
+        let count = self.faces[start..].partition_point(|&f| chunk_of(f) == chunk);
+        &self.faces[start..start + count]
     }
 }
 
-/// Blends patches over the faces that are `wanted`; `None` where none reaches.
-pub(super) fn blend(ground: &Ground<'_>, mut patches: Vec<Patch>, wanted: &[bool]) -> Vec<Option<Blended>> {
-    // Patches of one kind are read four at a time.
-    patches.sort_by_key(|patch| patch.surface.is_chord());
-    let by_face = Lists::of_pairs(wanted.len(), || {
+fn chunk_of(face: u32) -> u32 {
+    face / CHUNK as u32
+}
+
+/// Blends patches over the faces that they reach; `None` where none does, of `count` faces.
+pub(super) fn blend(ground: &Ground<'_>, patches: &[Patch], count: usize) -> Vec<Option<Blended>> {
+    let by_chunk = Lists::of_pairs(count.div_ceil(CHUNK), || {
         let numbered = patches.iter().enumerate();
-        numbered.flat_map(|(i, patch)| patch.faces.iter().map(move |&f| (f, i as u32)))
+        numbered.flat_map(|(i, patch)| patch.chunks().map(move |chunk| (chunk, i as u32)))
     });
-    let blended = |f: u32| {
-        let (centre, normal) = (ground.mesh.barycentre(Face(f)), ground.mesh.normal(Face(f)));
-        let blend = BlendFace { centre, normal, patches: &patches, reaching: by_face.of(f) };
-        wanted[f as usize].then(|| run(blend).value()).flatten()
-    };
-    (0..wanted.len() as u32).into_par_iter().map(blended).collect()
+    let mut blended = vec![None; count];
+    blended.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+        let first = (chunk * CHUNK) as u32;
+        let faces: Vec<(DVec3, DVec3)> = (first..)
+            .map(Face)
+            .take(out.len())
+            .map(|face| (ground.mesh.barycentre(face), ground.mesh.normal(face)))
+            .collect();
+        let mut sums = vec![Mean::new(); out.len()];
+        for &i in by_chunk.of(chunk as u32) {
+            let patch = &patches[i as usize];
+            run(AddPatch { patch, reached: patch.faces_of(chunk as u32), first, faces: &faces, sums: &mut sums });
+        }
+        out.iter_mut().zip(&sums).for_each(|(out, sum)| *out = sum.value());
+    });
+    blended
 }
 
-/// Blends the patches that reach a face.
-struct BlendFace<'p> {
-    centre: DVec3,
-    normal: DVec3,
-    patches: &'p [Patch],
-    reaching: &'p [u32],
+/// Adds what a patch says about faces it reaches, four at a time.
+struct AddPatch<'a> {
+    patch: &'a Patch,
+    reached: &'a [u32],
+    /// Of the faces whose barycentres, normals and sums these are.
+    first: u32,
+    faces: &'a [(DVec3, DVec3)],
+    sums: &'a mut [Mean],
 }
 
-impl Kernel for BlendFace<'_> {
-    type Output = Mean;
+impl Kernel for AddPatch<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Mean {
-        let BlendFace { centre, normal, patches, reaching } = self;
-        let of = |i: &u32| &patches[*i as usize];
-        let (implicit, chords) = reaching.split_at(reaching.partition_point(|i| !of(i).surface.is_chord()));
-        let mut sum = Mean::new();
-        for some in implicit.chunks(LANES).chain(chords.chunks(LANES)) {
-            let lane = |lane: usize| of(&some[lane.min(some.len() - 1)]);
-            let four = [lane(0), lane(1), lane(2), lane(3)];
-            let foot = match four.map(|patch| &patch.surface) {
-                [Surface::Chord(a), Surface::Chord(b), Surface::Chord(c), Surface::Chord(d)] => {
-                    Chord::feet([a, b, c, d], centre)
-                }
-                [Surface::Implicit(a), Surface::Implicit(b), Surface::Implicit(c), Surface::Implicit(d)] => {
-                    Implicit::feet([a, b, c, d], centre)
-                }
-                _ => continue,
-            };
-            let mut way = V3::ZERO;
-            for (lane, patch) in four.iter().enumerate() {
-                way.set(lane, patch.centre - centre);
+    fn run(self) {
+        match &self.patch.surface {
+            Surface::Chord(chord) => self.add(&chord.frame, &chord.side_by_side()),
+            Surface::Implicit(implicit) => self.add(&implicit.frame, &implicit.side_by_side()),
+        }
+    }
+}
+
+impl AddPatch<'_> {
+    #[inline(always)]
+    fn add(self, frame: &Frame, surface: &impl Below) {
+        let AddPatch { patch, reached, first, faces, sums } = self;
+        let sides = Sides::of(frame);
+        let Patch { centre, error, doubt, noise, .. } = *patch;
+        let radius = frame.unit;
+        let (reach, is_far) = (radius * REACH, noise * 4.0 + radius * 0.05);
+        for some in reached.chunks(LANES) {
+            let at = |lane: usize| (some[lane.min(some.len() - 1)] - first) as usize;
+            let (mut way, mut normal) = (V3::ZERO, V3::ZERO);
+            for lane in 0..LANES {
+                let (barycentre, upright) = faces[at(lane)];
+                way.set(lane, barycentre - centre);
+                normal.set(lane, upright);
             }
-            let radius = F4::of(four, |patch| patch.surface.radius());
-            let error = F4::of(four, |patch| patch.error);
-            let reach = radius * REACH;
-            let inside = F4::ONE - way.dot(way) / (reach * reach);
-            let n = foot.normal;
-            let facing = n.x * normal.x + n.y * normal.y + n.z * normal.z;
+            let foot = sides.in_space(&surface.foot(sides.to_local(way, centre)));
+            let inside = F4::ONE - way.dot(way) * (1.0 / (reach * reach));
+            let facing = foot.normal.dot(normal);
             // A face far from the surface, for its noise, is no part of it.
-            let far = foot.height / (F4::of(four, |patch| patch.noise) * 4.0 + radius * 0.05);
+            let far = foot.height * (1.0 / is_far);
             let far = far * far * (far * far);
-            let near = inside * inside * facing * facing;
-            let weight = near / ((F4::ONE + far) * (error * error + F4::splat(1e-300)));
-            for lane in 0..some.len() {
+            let weight = inside * inside * facing * facing * (1.0 / (doubt * doubt + 1e-300)) / (F4::ONE + far);
+            for (lane, &face) in some.iter().enumerate() {
                 let is_there = foot.upright.0[lane] > 0.0 && inside.0[lane] > 0.0 && facing.0[lane] > 0.0;
                 let tensor = foot.tensor.lane(lane);
                 if is_there && tensor.is_finite() && weight.0[lane].is_finite() {
-                    sum.add(tensor, foot.normal.get(lane), radius.0[lane], error.0[lane], weight.0[lane]);
+                    let sum = &mut sums[(face - first) as usize];
+                    sum.add(tensor, foot.normal.get(lane), radius, error, weight.0[lane]);
                 }
             }
         }
-        sum
     }
 }
 
 /// A weighted mean of shapes.
+#[derive(Clone)]
 pub(super) struct Mean {
     tensor: Symmetric<f64>,
     normal: DVec3,

@@ -6,7 +6,7 @@ use super::cyclide::{Cyclide, CyclideFitter, TERMS as CYCLIDE_TERMS};
 use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::{F4, LANES};
-use super::patches::{Patch, REACH, Surface};
+use super::patches::{Patch, REACH, Surface, by_chunk};
 use super::samples::Sampler;
 use crate::mesh::Face;
 use glam::{DMat3, DVec3};
@@ -19,7 +19,7 @@ const DEGREES: [usize; 2] = [3, 4];
 pub(super) const POLYNOMIALS: usize = DEGREES.len();
 pub(super) const MODELS: usize = POLYNOMIALS + 1;
 /// The first level at which a cyclide is believed.
-const FIRST_CYCLIDE: usize = 2;
+pub(super) const FIRST_CYCLIDE: usize = 2;
 /// A larger window is not tried where the variance of samples has grown to this many times its least.
 pub(super) const HOPELESS: f64 = 9.0;
 
@@ -62,6 +62,8 @@ pub(super) struct Choice {
     pub(super) error: f64,
     /// Standard deviation of the samples around, in file units.
     pub(super) noise: f64,
+    /// True where noise is alike at neighbouring samples.
+    pub(super) is_alike: bool,
     /// To begin with.
     pub(super) frame: Option<Frame>,
 }
@@ -165,7 +167,7 @@ impl<'g> Prober<'g> {
             let has_cyclide = four.iter().any(|&i| chosen[i].model == POLYNOMIALS);
             let cyclides = has_cyclide.then(|| self.cyclides.fit(&self.abreast, F4(std::array::from_fn(noise))));
             for (lane, &i) in four.iter().enumerate() {
-                let Choice { seed, model, error, .. } = chosen[i];
+                let Choice { seed, model, error, is_alike, .. } = chosen[i];
                 let Some(frame) = self.abreast.frame(lane).filter(|_| fits.is_carried(lane)) else { continue };
                 let (surface, variance, unit_variance) = match DEGREES.get(model) {
                     Some(&degree) => {
@@ -183,25 +185,31 @@ impl<'g> Prober<'g> {
                     }
                 };
                 let around = chosen[i].noise.powi(2);
-                let detail = unexplained(variance, around, chosen[i].level);
-                let error = error.max((unit_variance * around * (1.0 + detail)).sqrt());
+                let level = chosen[i].level;
+                let detail = unexplained(variance, around, level, 2.0 * spread(level, 0.0));
+                let scatter = (unit_variance * around * (1.0 + detail)).sqrt();
+                let error = error.max(scatter);
                 let (centre, reach) = (mesh.barycentre(seed), REACH * surface.radius());
                 self.samplers[lane].gather_within(centre, reach, 0);
                 let reached = self.samplers[lane].faces_within(centre, reach);
-                let faces = reached.filter(|&f| wanted[f as usize]).collect();
-                patches[i] = Some(Patch { centre, surface, error, noise: variance.sqrt(), faces });
+                let faces = by_chunk(reached.filter(|&f| wanted[f as usize]).collect());
+                let doubt = if is_alike { scatter } else { error };
+                patches[i] = Some(Patch { centre, surface, error, doubt, noise: variance.sqrt(), faces });
             }
         }
         patches.into_iter().flatten().collect()
     }
 }
 
+/// The standard error of a variance of samples, as a share of it, from a window and so many vertices around.
+pub(super) fn spread(level: usize, around: f64) -> f64 {
+    (2.0 / (LEVELS[level] as f64 + around)).sqrt()
+}
+
 /// What a fit to a window leaves of detail, in units of its variance from the noise alone: what is not explained bends
-/// the fit as a whole, not sample by sample.
-pub(super) fn unexplained(misfit: f64, noise: f64, level: usize) -> f64 {
-    let samples = LEVELS[level] as f64;
-    let chance = 2.0 * (2.0 / samples).sqrt();
-    (misfit / noise - (1.0 + chance)).max(0.0) * samples / CYCLIDE_TERMS as f64
+/// the fit as a whole, not sample by sample. A misfit that is greater than the noise by a share of `chance` tells nothing.
+pub(super) fn unexplained(misfit: f64, noise: f64, level: usize, chance: f64) -> f64 {
+    (misfit / noise - (1.0 + chance)).max(0.0) * LEVELS[level] as f64 / CYCLIDE_TERMS as f64
 }
 
 /// The nearest seeds among the faces a sampler has gathered, at most 16.

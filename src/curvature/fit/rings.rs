@@ -11,8 +11,9 @@ pub(super) struct Rings {
 }
 
 impl Rings {
-    pub(super) fn new() -> Self {
-        Rings { vertices: Vec::new(), inner: 0, seen: Seen::new() }
+    /// For so many vertices or fans.
+    pub(super) fn new(count: usize) -> Self {
+        Rings { vertices: Vec::new(), inner: 0, seen: Seen::new(count) }
     }
 
     pub(super) fn start(&mut self, vertices: impl IntoIterator<Item = u32>) {
@@ -47,74 +48,44 @@ impl Rings {
         self.inner = ring.end;
         for at in ring {
             let Some(neighbours) = neighbours(self.vertices[at]) else { return false };
-            self.seen.make_room(neighbours.len());
+            // Most have been seen, but which is hard to foretell: all are written down, and kept by counting.
+            let known = self.vertices.len();
+            self.vertices.resize(known + neighbours.len(), 0);
+            let room = &mut self.vertices[known..];
+            let mut count = 0;
             for &w in neighbours {
-                if self.seen.insert(w) {
-                    self.vertices.push(w);
-                }
+                room[count] = w;
+                count += usize::from(self.seen.insert(w));
             }
+            self.vertices.truncate(known + count);
         }
         true
     }
 }
 
-/// A small set of vertices that is emptied without touching its memory.
+/// A set of vertices that is soon emptied.
 struct Seen {
-    /// Age and number.
-    slots: Vec<u64>,
-    age: u64,
-    count: usize,
+    /// When each vertex was last seen. Only what windows come to is brought into use: the system hands out zeros.
+    times: Vec<u16>,
+    now: u16,
 }
 
 impl Seen {
-    const AGE: u64 = 1 << 32;
-
-    fn new() -> Self {
-        Seen { slots: vec![0; 256], age: Seen::AGE, count: 0 }
+    fn new(count: usize) -> Self {
+        Seen { times: vec![0; count], now: 1 }
     }
 
     fn clear(&mut self) {
-        self.count = 0;
-        // After four thousand million starts what was seen in the first ones would come to life.
-        self.age = self.age.checked_add(Seen::AGE).unwrap_or_else(|| {
-            self.slots.fill(0);
-            Seen::AGE
-        });
-    }
-
-    /// Keeps the table at most half full.
-    #[inline]
-    fn make_room(&mut self, more: usize) {
-        while 2 * (self.count + more) > self.slots.len() {
-            let larger = vec![0; 2 * self.slots.len()];
-            let held = std::mem::replace(&mut self.slots, larger);
-            self.count = 0;
-            for held in held {
-                if held >= self.age {
-                    self.insert(held as u32);
-                }
-            }
+        match self.now.checked_add(1) {
+            Some(next) => self.now = next,
+            None => *self = Seen::new(self.times.len()),
         }
     }
 
-    /// False when the vertex was there already. There must be room.
+    /// False when the vertex was there already.
     #[inline]
     fn insert(&mut self, vertex: u32) -> bool {
-        let mask = self.slots.len() - 1;
-        let wanted = self.age | u64::from(vertex);
-        let mut at = (u64::from(vertex).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize;
-        loop {
-            let held = &mut self.slots[at & mask];
-            if *held == wanted {
-                return false;
-            }
-            if *held < self.age {
-                *held = wanted;
-                self.count += 1;
-                return true;
-            }
-            at += 1;
-        }
+        std::mem::replace(&mut self.times[vertex as usize], self.now) != self.now
     }
 }
 
@@ -124,10 +95,9 @@ mod tests {
 
     #[test]
     fn sees_each_vertex_once_and_forgets() {
-        let mut seen = Seen::new();
-        for round in 0..3 {
-            for v in (0..5000_u32).map(|v| v.wrapping_mul(2_654_435_761)) {
-                seen.make_room(1);
+        let mut seen = Seen::new(50);
+        for round in 0..70_000 {
+            for v in 0..50_u32 {
                 assert!(seen.insert(v), "{round}");
                 assert!(!seen.insert(v));
             }

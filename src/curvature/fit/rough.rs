@@ -16,6 +16,8 @@ const JUDGED: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Noise {
+    /// On some parts of the mesh only: as likely detail of a clean surface, from which nothing follows for the parts around.
+    Local,
     /// What the samples are off by at one vertex says nothing of the next.
     Independent,
     /// Samples are off by the same over an edge or two, as in range images. Small windows follow it, so that what they
@@ -39,8 +41,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     /// Least growth of the variance from the first level to the second by noise that is alike. Independent noise has up to
     /// 1.15 on small meshes, whose shape adds to it.
     const ALIKE_GROWTH: f64 = 1.2;
+    let other = if is_everywhere { Noise::Independent } else { Noise::Local };
     if !is_fine(fans.ground.mesh) {
-        return Noise::Independent;
+        return other;
     }
     let step = seeds.len().div_ceil(JUDGES).max(1);
     let none = vec![u32::MAX; fans.ground.mesh.face_count()];
@@ -57,8 +60,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     {
         return Noise::Rough;
     }
-    let growth = (second / noise).powi(2);
-    if is_everywhere && (ALIKE_GROWTH..SMOOTH).contains(&growth) { Noise::Alike } else { Noise::Independent }
+    // Detail that a cyclide explains is the surface's.
+    let growth = (second.min(cyclide) / noise).powi(2);
+    if is_everywhere && (ALIKE_GROWTH..SMOOTH).contains(&growth) { Noise::Alike } else { other }
 }
 
 /// Vertices in the window of a rough surface that turns by [`TURN`] over it: about six edges around.
@@ -99,41 +103,23 @@ impl Noise {
     /// Growth of the variance of samples from its least at which larger windows are not tried. Alike noise itself makes it
     /// grow.
     pub(super) fn hopeless(self) -> f64 {
-        if self == Noise::Alike { 20.0 } else { HOPELESS }
+        if self == Noise::Alike { 30.0 } else { HOPELESS }
     }
 
     /// How far a fit is by chance from one of more variance, squared: what is beyond is bias. `None` for one that has little
-    /// more or cannot tell.
+    /// more.
     pub(super) fn chance(self, witness: f64, variance: f64) -> Option<f64> {
         const LEAST: f64 = 1.15;
-        // Small windows average less of alike noise than their variances say, and would pass it off as bias of far larger
-        // ones.
-        let reach = if self == Noise::Alike { 6.0 } else { 16.0 };
+        const REACH: f64 = 16.0;
         // Large windows that all miss the surface are alike off. Far smaller ones can tell, if for their own variance they
         // can tell anything.
         const FAR: f64 = 5.0;
-        match (self, witness <= reach * variance) {
+        match (self, witness <= REACH * variance) {
             _ if witness < LEAST * variance => None,
+            // Once more the witness, since large windows of neighbouring seeds err as one, and one may err by as much.
+            (Noise::Independent, true) => Some(2.0 * witness - variance),
             (_, true) => Some(witness - variance),
-            (Noise::Alike, false) => None,
             (_, false) => Some(FAR * witness),
         }
     }
-}
-
-/// The variance of independent samples that would make fits differ as alike noise does. A quartic in the smallest
-/// window has next to no bias: what separates it from others is its noise and their bias, so the least of it, in units of
-/// what independent samples do, tells of the noise alone. `units` are the variances of the candidates for samples of
-/// unit variance, infinite for those that are not asked; `between` tells how far two are apart, squared.
-pub(super) fn alike(units: &[f64], between: impl Fn(usize, usize) -> f64) -> Option<f64> {
-    /// The quartic in the smallest window.
-    const FIRST: usize = 1;
-    /// So much less variance others must have.
-    const LESS: f64 = 3.0;
-    /// How much more counts as noise than that shows: the smallest window moves with alike noise as one, and so differs
-    /// less from others than they are off.
-    const SMALL: f64 = 6.0;
-    let others = (0..units.len()).filter(|&j| LESS * units[j] <= units[FIRST]);
-    let apart = others.map(|j| between(FIRST, j) / (units[FIRST] - units[j])).filter(|v| v.is_finite());
-    apart.min_by(f64::total_cmp).map(|least| SMALL * least)
 }

@@ -27,7 +27,7 @@ impl<'g> Sampler<'g> {
     pub(super) fn new(fans: &'g Fans<'g>) -> Self {
         Sampler {
             fans,
-            rings: Rings::new(),
+            rings: Rings::new(fans.count()),
             facing: Vec3::ZERO,
             order: Vec::new(),
             known: 0,
@@ -147,7 +147,7 @@ impl<'g> Sampler<'g> {
         let square = frame.unit * frame.unit;
         self.roots.clear();
         self.roots.extend(self.order[..self.points.len()].iter().map(|&(distance, fan)| {
-            let facing = f64::from(self.fans.normal(fan).normalize_or_zero().dot(normal)).max(0.0);
+            let facing = f64::from(self.fans.direction(fan).dot(normal)).max(0.0);
             ((1.0 - 0.999 * distance / square).max(0.0) * facing).sqrt()
         }));
     }

@@ -63,7 +63,7 @@ pub(super) fn estimate(fans: &Fans<'_>, seeds: &[Face], wanted: &[bool], kind: N
         )
         .collect();
     let patches: Vec<Patch> = patches.into_iter().flatten().collect();
-    patches::blend(ground, patches, wanted)
+    patches::blend(ground, &patches, wanted.len())
 }
 
 /// Adds levels to probes, which takes about `share` of the work on all faces.

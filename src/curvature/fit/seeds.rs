@@ -15,10 +15,13 @@ struct Draw<'g> {
 
 impl<'g> Draw<'g> {
     fn new(ground: &'g Ground<'g>) -> Self {
+        /// Along the mesh, and where a few vertices far away make it large, along a face.
         const CELLS: f64 = (1 << 18) as f64;
+        const OF_FACE: f64 = 16.0;
         let mesh = ground.mesh;
         let (corner, size) = mesh.report().bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
-        Draw { ground, corner: corner - mesh.origin(), scale: CELLS / size }
+        let cells = CELLS.max((OF_FACE * size / ground.width).log2().ceil().exp2());
+        Draw { ground, corner: corner - mesh.origin(), scale: cells / size }
     }
 
     fn of(&self, face: Face) -> u64 {

@@ -41,16 +41,13 @@ impl<'m> Stars<'m> {
         let count = mesh.positions().len();
         let (mut borders, mut marks) = (vec![0_u8; count], vec![Mark::Deep; count]);
         // Where windings agree, the half-edges of both faces show an edge from both ends.
-        let is_shown_twice = |h: HalfEdge| topology.twin(h).is_some_and(|twin| !topology.is_flipped(h, twin));
-        let neighbours = Lists::by_vertex(count, blocks, |faces| {
-            half_edges(mesh, faces).flat_map(|h| {
-                let (a, b) = (topology.origin(h).0, topology.target(h).0);
-                [(a, b), (b, a)].into_iter().take(2 - usize::from(is_shown_twice(h)))
-            })
-        });
+        let is_shown_once = |h: &HalfEdge| topology.twin(*h).is_none_or(|twin| topology.is_flipped(*h, twin));
+        let ends = |h: HalfEdge| (topology.origin(h).0, topology.target(h).0);
+        let shown_once = blocks.of_faces(|faces| half_edges(mesh, faces).filter(is_shown_once).collect());
+        let from_others = shown_once.into_iter().map(|h| (ends(h).1, ends(h).0)).collect();
+        let neighbours = Lists::by_vertex(count, blocks, |faces| half_edges(mesh, faces).map(ends), from_others);
         let is_no_inner = |h: &HalfEdge| mesh.edge_kind(*h) != EdgeKind::Inner;
-        let others = blocks
-            .each(vec![(); blocks.own().len()], |faces, _, ()| half_edges(mesh, faces).filter(is_no_inner).collect());
+        let others = blocks.of_faces(|faces| half_edges(mesh, faces).filter(is_no_inner).collect());
         for h in others {
             let both = [topology.origin(h), topology.target(h)].map(Vertex::index);
             match mesh.edge_kind(h) {
@@ -150,11 +147,12 @@ impl Lists {
         lists
     }
 
-    /// From pairs of a vertex and an entry that blocks of faces tell.
+    /// From pairs of a vertex and an entry that blocks of faces tell, and some besides.
     fn by_vertex<I: Iterator<Item = (u32, u32)>>(
         count: usize,
         blocks: &Blocks,
         pairs: impl Fn(Range<u32>) -> I + Sync,
+        besides: Vec<(u32, u32)>,
     ) -> Self {
         let mut lists = Lists::counted(count);
         let others = blocks.fill(&mut lists.ends, |faces, own, ends| {
@@ -165,7 +163,7 @@ impl Lists {
             });
             others
         });
-        others.into_iter().for_each(|v| lists.ends[v as usize] += 1);
+        others.into_iter().chain(besides.iter().map(|(v, _)| *v)).for_each(|v| lists.ends[v as usize] += 1);
         lists.make_room();
         let mut shares = Vec::with_capacity(blocks.own().len());
         let (mut ends, mut entries, mut start) = (&mut lists.ends[..], &mut lists.entries[..], 0);
@@ -191,7 +189,7 @@ impl Lists {
             });
             others
         });
-        others.into_iter().for_each(|(v, entry)| lists.push(v, entry));
+        others.into_iter().chain(besides).for_each(|(v, entry)| lists.push(v, entry));
         lists
     }
 

@@ -8,6 +8,7 @@ use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::LANES;
 use super::patches::{Blended, Mean};
+use super::quantum::Quantum;
 use super::samples::Sampler;
 use super::shape::Shape;
 use crate::mesh::Face;
@@ -91,8 +92,8 @@ impl<'g> Steady<'g> {
     }
 
     /// The values of up to four faces, each with the coverage of its window, from all vertices within a radius of their
-    /// barycentres; exactly flat where they all lie in a face's plane, as well as coordinates rounded by `quantum` tell.
-    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: f64) -> [Option<(Blended, f64)>; LANES] {
+    /// barycentres; exactly flat where they all lie in a face's plane, as well as rounded coordinates tell.
+    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<(Blended, f64)>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {
             let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
@@ -100,7 +101,8 @@ impl<'g> Steady<'g> {
             sampler.start(face);
             let frame = sampler.take_within(centre, radius, LEAST)?;
             // The rounding of the face's corners tilts its plane, more at a distance.
-            let reach = 4.0 * quantum * (1.0 + frame.unit / mesh.least_height(face)) + 1e-14 * frame.unit;
+            let reach = 4.0 * quantum.around(centre, frame.unit) * (1.0 + frame.unit / mesh.least_height(face))
+                + 1e-14 * frame.unit;
             if sampler.points.iter().all(|&p| (p - centre).dot(normal).abs() <= reach) {
                 let shape = Shape { normal, tensor: DMat3::ZERO };
                 flat[lane] = Some(Blended { shape, radius: frame.unit, error: 0.0 });
