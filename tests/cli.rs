@@ -95,6 +95,19 @@ fn inspect_prints_the_contract() {
 }
 
 #[test]
+fn faces_whose_curvature_is_beyond_the_numbers_are_told() {
+    let folder = folder();
+    // An octahedron, its edges no features.
+    let corners = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"];
+    let vertices: String = corners.iter().map(|c| format!("v {}\n", c.replace('1', "1e-30"))).collect();
+    let faces = "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+    fs::write(folder.path().join("tiny.obj"), vertices + faces).expect("writable");
+    let run = osculate(folder.path(), &["annotate", "tiny.obj", "-o", "tiny.csv", "--feature-angle", "180"]);
+    assert_eq!(run.status.code(), Some(3), "{}", stderr(&run));
+    assert!(stderr(&run).contains("8 of 8 faces got no values although they have an area"), "{}", stderr(&run));
+}
+
+#[test]
 fn csv_has_a_row_for_every_face_in_order() {
     let folder = folder();
     let run =

@@ -317,7 +317,8 @@ class Refusals(Fresh):
         obj = bpy.context.active_object
         before = names(obj.data)
         jobs, _ = package.estimate.collect(bpy.context, [obj], False)
-        work = package.work.Work(jobs, {})
+        # Long walks: on any machine there is time to cancel between the first report and the end.
+        work = package.work.Work(jobs, {"estimator": "osculating", "radius_factor": 100.0})
         work.start()
         looked = 0
         while work.is_running() and work.share == 0:
