@@ -1,4 +1,5 @@
 """What the measuring scripts share: the program built for release, timed runs, and tables in docs/performance.md."""
+import json
 import os
 import re
 import subprocess
@@ -55,6 +56,20 @@ def run(command, **more):
     output.seek(0)
     return {"wall": wall, "cpu": usage.ru_utime + usage.ru_stime, "peak": usage.ru_maxrss / 1024,
             "anonymous": peak[0] / 1024, "output": output.read().decode()}
+
+
+def annotate(command, output):
+    """What `run` tells of `osculate annotate` with its output, without statistics, which are worked out only for those who
+    ask; and the seconds of its stages from a second run that asks. The output is new each time, as all others write
+    theirs: file systems take time to replace one safely."""
+    output.unlink(missing_ok=True)
+    result = run([*command, "-o", output])
+    output.unlink()
+    with tempfile.TemporaryDirectory() as folder:
+        stats = Path(folder) / "stats.json"
+        run([*command, "-o", output, "--stats", stats])
+        result["seconds"] = json.loads(stats.read_text())["seconds"]
+    return result
 
 
 def median(values):

@@ -9,7 +9,6 @@ usage: benches/peers.py [--faces N] [--only NAME,NAME] [--runs N]
 Makes a Python environment in ~/.cache/osculate/peers where it is missing. CGAL needs Debian's libcgal-dev and
 g++, and is left out without. $OSCULATE: a program to take instead of building it."""
 import argparse
-import json
 import os
 import shutil
 import subprocess
@@ -135,11 +134,8 @@ def main():
                                               ["--estimator", "osculating", "--radius-factor", "3"])]:
             runs = []
             for _ in range(options.runs):
-                # A new file each time, as all others write: file systems take time to replace one safely.
-                (folder / "out.glb").unlink(missing_ok=True)
-                command = [osculate, "annotate", source, "-o", folder / "out.glb", "-j2", "-q", *extra, "--stats", folder / "stats.json"]
-                runs.append(common.run(command))
-                runs[-1]["kernel"] = json.loads((folder / "stats.json").read_text())["seconds"]["estimate"]
+                runs.append(common.annotate([osculate, "annotate", source, "-j2", "-q", *extra], folder / "out.glb"))
+                runs[-1]["kernel"] = runs[-1]["seconds"]["estimate"]
             rows.append((name, sorted(runs, key=lambda run: run["wall"])[len(runs) // 2]))
         reference = rows[0][1]["wall"]
         if "cgal" in options.only:

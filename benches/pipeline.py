@@ -3,7 +3,6 @@
 
 usage: benches/pipeline.py [--runs N] [FACES...]      $OSCULATE: a program to take instead of building it"""
 import argparse
-import json
 import os
 import subprocess
 import tempfile
@@ -19,14 +18,10 @@ osculate = common.program()
 rows = []
 with tempfile.TemporaryDirectory() as folder:
     folder = Path(folder)
-    source, target, stats = folder / "torus.stl", folder / "out.glb", folder / "stats.json"
+    source, target = folder / "torus.stl", folder / "out.glb"
 
     def annotate(threads, *extra):
-        # Replacing a file safely takes file systems time that has nothing to do with the program.
-        target.unlink(missing_ok=True)
-        result = common.run([osculate, "annotate", source, "-o", target, f"-j{threads}", "-q", *extra, "--stats", stats])
-        result["seconds"] = json.loads(stats.read_text())["seconds"]
-        return result
+        return common.annotate([osculate, "annotate", source, f"-j{threads}", "-q", *extra], target)
 
     def synth(faces):
         subprocess.run([osculate, "synth", "torus", "--faces", str(faces), "-o", source, "-q"], check=True)
@@ -44,15 +39,15 @@ with tempfile.TemporaryDirectory() as folder:
                 def per_face(stage):
                     return 1e6 * common.median([run["seconds"][stage] for run in runs]) / faces
 
-                rest = 1e6 * common.median([run["wall"] - run["seconds"]["estimate"] for run in runs]) / faces
+                rest = 1e6 * common.median([run["wall"] for run in runs]) / faces - per_face("estimate")
                 memory = (max(run["anonymous"] for run in runs) - constant) * 2**20 / faces
                 stages = [f"{per_face(stage):.3f}" for stage in ["read", "weld", "estimate", "write", "total"]]
                 rows.append((f"{faces:,}", name, threads, *stages, f"{rest:.3f}", f"{memory:.0f}"))
                 print(rows[-1], flush=True)
 head = ["faces", "estimator", "threads", "read", "weld", "estimate", "write", "all", "all but estimate", "bytes per face"]
 common.write("benches/pipeline.py", "Stages and memory", f"""A torus as binary STL to GLB (layout `faces`, all default attributes), microseconds per face by the wall clock, median of
-{options.runs}; `weld` is weld, adjacency and edge kinds; "all but estimate" is of the whole process, its start and its end
-included. Bytes per face: anonymous memory at the peak (RssAnon, looked at every 2 ms, the mapped input not counted), less that of a mesh of a hundred
+{options.runs}; `weld` is weld, adjacency and edge kinds; "all but estimate" is of whole processes that are not asked for
+statistics, their start and their end included. Bytes per face: anonymous memory at the peak (RssAnon, looked at every 2 ms, the mapped input not counted), less that of a mesh of a hundred
 faces, {constant:.0f} MB. {common.machine()}.
 
 {common.table(head, rows)}""")
