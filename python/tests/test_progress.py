@@ -122,7 +122,7 @@ def test_an_interrupt_ends_a_file_of_a_batch(rough: Arrays, tmp_path: Path) -> N
     source = tmp_path / "rough.ply"
     osculate.bridges.meshio.mesh(osculate.Mesh(*rough)).write(source)
     # Walks so long that on any machine the interrupt comes first.
-    batch = _native.Batch([("threads", ["1"]), ("estimator", ["osculating"]), ("radius-factor", ["100"])])
+    batch = _native.Batch([("threads", ["1"]), ("estimator", ["osculating"]), ("radius_factor", ["100"])])
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
