@@ -6,7 +6,7 @@ use common::{differing, mesh_of, values_of};
 use glam::{DQuat, DVec3};
 use osculate::synth::{Grid, Surface};
 use osculate::{
-    CurvatureOptions, Estimator, FaceCurvature, Method, Positions, Progress, Radius, Soup, Stage, estimate,
+    CurvatureOptions, Estimator, FaceCurvature, Method, NoProgress, Positions, Progress, Radius, Soup, Stage, estimate,
 };
 use proptest::prelude::*;
 use std::sync::Mutex;
@@ -175,6 +175,51 @@ fn one_thread_or_many_give_the_same_values_under_noise() {
     assert_eq!(differing(&one, &with(3)), 0);
     let patches = one.iter().filter(|value| value.method == Method::Patches).count();
     assert!(1000 * patches >= 999 * one.len(), "{patches} of {}", one.len());
+}
+
+/// Of 21,000 faces, and without any symmetry.
+fn irregular_wave(noise: f64) -> Soup {
+    Grid { jitter: 0.3, noise, seed: 5, ..Grid::with_faces(Surface::Wave, 21_000, 1.0) }.build().soup
+}
+
+/// The same surface with its faces in another order, turned; and its values, brought back.
+fn turned_and_shuffled(soup: &Soup, turn: DQuat, of: impl Fn(&Soup) -> Vec<FaceCurvature>) -> Vec<FaceCurvature> {
+    let order = shuffled(soup.face_count(), 11);
+    let triangles = order.iter().map(|&f| soup.triangles[f]).collect();
+    let turned = of(&moved(&Soup::new(soup.positions.clone(), triangles), |p| turn * p));
+    let mut back = turned.clone();
+    order.iter().zip(turned).for_each(|(&f, value)| back[f] = value);
+    back
+}
+
+#[test]
+fn windows_of_noisy_surfaces_turn_with_them() {
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
+    let soup = irregular_wave(0.1);
+    let before = values(&soup);
+    assert!(2 * before.iter().filter(|value| value.method == Method::Patches).count() > before.len());
+    // Seeds are drawn by cells, and rounding moves a few faces into others.
+    let unlike = unlike(&before, &turned_and_shuffled(&soup, turn, values), 1.0, turn, 1e-6);
+    assert!(200 * unlike.len() <= before.len(), "{} of {}: {:?}", unlike.len(), before.len(), &unlike[..1]);
+}
+
+#[test]
+fn windows_of_a_large_given_radius_turn_with_the_surface() {
+    let turn = DQuat::from_axis_angle(DVec3::new(-0.3, 1.0, 0.8).normalize(), 4.0);
+    let soup = irregular_wave(0.0);
+    let mesh = mesh_of(&soup);
+    let size = mesh.report().bounds.expect("bounds").size().max_element();
+    let options = CurvatureOptions { radius: Radius::Length(0.1 * size), ..CurvatureOptions::default() };
+    let values = |soup: &Soup| estimate(&mesh_of(soup), &options, &NoProgress).expect("valid options");
+    let before = values(&soup);
+    assert!(before.iter().all(|value| value.method == Method::Window && value.confidence > 0.0));
+    let unlike = unlike(&before, &turned_and_shuffled(&soup, turn, values), 1.0, turn, 1e-6);
+    assert!(200 * unlike.len() <= before.len(), "{} of {}: {:?}", unlike.len(), before.len(), &unlike[..1]);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| values(&soup))
+    };
+    assert_eq!(differing(&on(1), &on(3)), 0);
 }
 
 #[test]

@@ -138,7 +138,7 @@ impl Mesh {
     /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way to
     /// the vertex farthest from there, the way to the vertex farthest from that line, and four times the mean distance
     /// (root of the mean square), which a lone far vertex changes little.
-    fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
+    pub(crate) fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
         // In chunks, so that sums do not depend on the threads.
         let chunks = || self.positions.par_chunks(1 << 14);
         let sums: Vec<(DVec3, usize)> = chunks()

@@ -290,6 +290,11 @@ fn foot_of<T: Real>(c: &[T; WIDEST], p: V3<T>) -> Foot<T> {
 }
 
 impl Chord {
+    /// The plane that a frame lies in.
+    pub(super) fn plane(frame: Frame) -> Self {
+        Chord { frame, coefficients: [0.0; WIDEST] }
+    }
+
     /// Height of a point over the surface, and the shape of the surface below it. `None` where the
     /// surface has turned over.
     pub(super) fn shape_at(&self, point: DVec3) -> Option<(f64, Shape)> {

@@ -6,13 +6,14 @@
 use super::ground::{Ground, sound_normals};
 use super::stars::{CROWDED, Lists, half_edges};
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Vertex};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their vertex.
 pub(super) struct Fans<'g> {
     pub(super) ground: &'g Ground<'g>,
-    /// The faces of each fan whose least corner is there, by coordinates: whichever corner a file names first.
+    /// The faces of each fan whose least corner is there, by coordinates of a frame that turns with the mesh: whichever corner a
+    /// file names first.
     faces: Lists,
     /// None where no vertex is divided.
     split: Option<Split>,
@@ -44,8 +45,9 @@ impl<'g> Fans<'g> {
         let corners = split.as_ref().map_or(ground.mesh.topology().faces(), |split| &split.corners);
         let fans = count as usize + split.as_ref().map_or(0, |split| split.vertices.len());
         let is_sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;
+        let to_own = ground.mesh.own_frame().map_or(DMat3::IDENTITY, |(_, axes, _)| axes.transpose());
         let least = |f: u32| {
-            let [a, b, c] = ground.mesh.triangle(Face(f)).map(|p| p.to_array());
+            let [a, b, c] = ground.mesh.triangle(Face(f)).map(|p| (to_own * p).to_array());
             let [x, y, z] = corners[f as usize];
             let (first, fan) = if b < a { (b, y) } else { (a, x) };
             if c < first { z } else { fan }

@@ -48,6 +48,7 @@ mod shape;
 mod stars;
 mod steady;
 mod strips;
+mod wide;
 mod width;
 mod window;
 mod work;
@@ -134,18 +135,24 @@ fn within<'g>(
     out: &mut [FaceCurvature],
 ) {
     let fans = Fans::new(ground);
+    let shared = if wide::pays(ground.mesh, &radius) { wide::estimate(&fans, &quantum, &radius) } else { Vec::new() };
     let tools = || (worker(), Steady::new(&fans));
     out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
-        let faces = (chunk * CHUNK..).take(out.len()).map(|f| Face(f as u32));
+        let start = chunk * CHUNK;
+        for (out, shared) in out.iter_mut().zip(shared.iter().skip(start)) {
+            if let Some((value, coverage)) = shared {
+                *out = blended_value(*coverage, value, Method::Window, worker.options);
+            }
+        }
+        let faces = (start..).take(out.len()).map(|f| Face(f as u32));
         let sound = faces.filter(|&face| ground.mesh.face_state(face) == FaceState::Sound);
-        let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
+        let left = sound.filter(|face| !out[face.index() - start].is_estimated());
+        let wanted: Vec<(Face, f64)> = left.filter_map(|face| Some((face, radius(face)?))).collect();
         for four in wanted.chunks(LANES) {
-            for (&(face, _), value) in four.iter().zip(steady.within(four, &quantum)) {
-                let out = &mut out[face.index() % CHUNK];
-                match value {
-                    Some((value, coverage)) => {
-                        *out = blended_value(coverage, &value, Method::Window, worker.options);
-                    }
+            for (&(face, _), fitted) in four.iter().zip(steady.within(four, &quantum)) {
+                let out = &mut out[face.index() - start];
+                match fitted.and_then(|fitted| Some((fitted.value()?, fitted.coverage))) {
+                    Some((value, coverage)) => *out = blended_value(coverage, &value, Method::Window, worker.options),
                     None => {
                         worker.first_of(face, out);
                     }

@@ -16,9 +16,6 @@ use crate::mesh::Face;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A patch is evaluated up to this share of its window's radius.
-pub(super) const REACH: f64 = 0.85;
-
 /// A fitted surface of either kind.
 #[derive(Clone, Copy)]
 pub(super) enum Surface {
@@ -30,6 +27,8 @@ pub(super) struct Patch {
     /// Of the seed's face.
     pub(super) centre: DVec3,
     pub(super) surface: Surface,
+    /// How far from the centre it is evaluated.
+    pub(super) reach: f64,
     /// Expected error of its shape tensor, 1/length.
     pub(super) error: f64,
     /// What it has little weight for: the expected error. Under noise that is alike at neighbouring samples, that by
@@ -137,9 +136,9 @@ impl AddPatch<'_> {
     fn add(self, frame: &Frame, surface: &impl Below) {
         let AddPatch { patch, reached, first, faces, sums } = self;
         let sides = Sides::of(frame);
-        let Patch { centre, error, doubt, noise, .. } = *patch;
+        let Patch { centre, reach, error, doubt, noise, .. } = *patch;
         let radius = frame.unit;
-        let (reach, is_far) = (radius * REACH, noise * 4.0 + radius * 0.05);
+        let is_far = noise * 4.0 + radius * 0.05;
         for some in reached.chunks(LANES) {
             let at = |lane: usize| (some[lane.min(some.len() - 1)] - first) as usize;
             let (mut way, mut normal) = (V3::ZERO, V3::ZERO);

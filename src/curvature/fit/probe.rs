@@ -6,7 +6,7 @@ use super::cyclide::{Cyclide, CyclideFitter, TERMS as CYCLIDE_TERMS};
 use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::{F4, LANES};
-use super::patches::{Patch, REACH, Surface, by_chunk};
+use super::patches::{Patch, Surface, by_chunk};
 use super::samples::Sampler;
 use crate::mesh::Face;
 use glam::{DMat3, DVec3};
@@ -15,6 +15,8 @@ use std::ops::Range;
 /// Vertices per window, by level.
 pub(super) const LEVELS: [usize; 8] = [28, 48, 81, 138, 234, 398, 676, 1150];
 const DEGREES: [usize; 2] = [3, 4];
+/// A patch is blended up to this share of its window's radius.
+const REACH: f64 = 0.85;
 /// The chord polynomials among the models of a level; the last model is a cyclide.
 pub(super) const POLYNOMIALS: usize = DEGREES.len();
 pub(super) const MODELS: usize = POLYNOMIALS + 1;
@@ -194,7 +196,7 @@ impl<'g> Prober<'g> {
                 let reached = self.samplers[lane].faces_within(centre, reach);
                 let faces = by_chunk(reached.filter(|&f| wanted[f as usize]).collect());
                 let doubt = if is_alike { scatter } else { error };
-                patches[i] = Some(Patch { centre, surface, error, doubt, noise: variance.sqrt(), faces });
+                patches[i] = Some(Patch { centre, surface, reach, error, doubt, noise: variance.sqrt(), faces });
             }
         }
         patches.into_iter().flatten().collect()

@@ -2,15 +2,16 @@
 
 use super::ground::Ground;
 use crate::mesh::{Face, FaceState};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Numbers for faces, drawn from the cells of a fine grid over the mesh, so that neither the order of faces nor the
-/// place and size of the mesh plays a part.
+/// Numbers for faces, drawn from the cells of a fine grid that moves, turns and grows with the mesh, so that neither the order
+/// of faces nor the place of the mesh plays a part.
 struct Draw<'g> {
     ground: &'g Ground<'g>,
-    corner: DVec3,
-    scale: f64,
+    centre: DVec3,
+    /// From space to cells.
+    to_cells: DMat3,
 }
 
 impl<'g> Draw<'g> {
@@ -18,10 +19,9 @@ impl<'g> Draw<'g> {
         /// Along the mesh, and where a few vertices far away make it large, along a face.
         const CELLS: f64 = (1 << 18) as f64;
         const OF_FACE: f64 = 16.0;
-        let mesh = ground.mesh;
-        let (corner, size) = mesh.report().bounds.map_or((DVec3::ZERO, 1.0), |b| (b.min, b.size().max_element()));
+        let (centre, axes, size) = ground.mesh.own_frame().unwrap_or((DVec3::ZERO, DMat3::IDENTITY, 1.0));
         let cells = CELLS.max((OF_FACE * size / ground.width).log2().ceil().exp2());
-        Draw { ground, corner: corner - mesh.origin(), scale: cells / size }
+        Draw { ground, centre, to_cells: axes.transpose() * (cells / size) }
     }
 
     fn of(&self, face: Face) -> u64 {
@@ -30,9 +30,9 @@ impl<'g> Draw<'g> {
             x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
             x ^ (x >> 33)
         };
-        let cell = (self.ground.mesh.barycentre(face) - self.corner) * self.scale;
+        let cell = self.to_cells * (self.ground.mesh.barycentre(face) - self.centre);
         // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
-        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).max(0.0) as u64))
+        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).floor() as i64 as u64))
     }
 }
 
@@ -51,6 +51,15 @@ pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
         })
         .map(Face)
         .collect()
+}
+
+/// The wanted faces in the order of their numbers, the greatest first.
+pub(super) fn drawn(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
+    let draw = Draw::new(ground);
+    let faces = (0..wanted.len() as u32).into_par_iter().filter(|&f| wanted[f as usize]);
+    let mut numbered: Vec<(u64, u32)> = faces.map(|f| (draw.of(Face(f)), f)).collect();
+    numbered.par_sort_unstable_by(|a, b| b.cmp(a));
+    numbered.into_iter().map(|(_, f)| Face(f)).collect()
 }
 
 /// The tier of each seed: seeds of tier 1 and higher are a subset of all, those of tier 2 and higher one of that, and so

@@ -1,18 +1,18 @@
 //! Windows of one size for a whole mesh: the same linear measurement everywhere.
 //!
-//! For surfaces that are rough at every scale, and for a radius that the user has given.
+//! For surfaces that are rough at every scale, and for a radius that the user has given (see [`wide`](super::wide) for large
+//! ones).
 
 use super::abreast::Abreast;
-use super::chord::ChordFitter;
+use super::chord::{Chord, ChordFitter};
 use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::LANES;
 use super::patches::{Blended, Mean};
 use super::quantum::Quantum;
 use super::samples::Sampler;
-use super::shape::Shape;
 use crate::mesh::Face;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Least number of vertices in a window of given radius, where the patch has them.
@@ -32,6 +32,28 @@ struct Taken {
     centre: DVec3,
     /// Of the polynomial, at most.
     degree: usize,
+}
+
+/// What the vertices of a window lie on.
+#[derive(Clone, Copy)]
+pub(super) struct Fitted {
+    pub(super) surface: Chord,
+    /// Where the window lies around.
+    pub(super) centre: DVec3,
+    /// Standard deviation of its samples, in file units.
+    pub(super) noise: f64,
+    /// Expected error of the shape tensor at the centre, 1/length.
+    pub(super) error: f64,
+    /// The share of its vertices that lie neither on a border nor on a sharp edge.
+    pub(super) coverage: f64,
+}
+
+impl Fitted {
+    /// At the centre.
+    pub(super) fn value(&self) -> Option<Blended> {
+        let (_, shape) = self.surface.shape_at(self.centre)?;
+        Some(Blended { shape, radius: self.surface.frame.unit, error: self.error })
+    }
 }
 
 /// The values of all faces of a rough surface: a paraboloid in chord coordinates around every vertex,
@@ -74,26 +96,28 @@ impl<'g> Steady<'g> {
 
     /// Paraboloids around up to four faces, in windows of so many vertices.
     pub(super) fn around_faces(&mut self, faces: &[Face], window: usize) -> [Option<Blended>; LANES] {
-        self.fit(faces.len(), |lane, sampler| {
+        let fitted = self.fit(faces.len(), |lane, sampler| {
             let centre = sampler.fans.ground.mesh.barycentre(faces[lane]);
             sampler.start(faces[lane]);
             Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
-        })
+        });
+        fitted.map(|fitted| fitted?.value())
     }
 
     /// The same around up to four vertices.
     fn around(&mut self, vertices: &[usize], window: usize) -> [Option<Blended>; LANES] {
-        self.fit(vertices.len(), |lane, sampler| {
+        let fitted = self.fit(vertices.len(), |lane, sampler| {
             let vertex = vertices[lane] as u32;
             let centre = sampler.fans.ground.position(vertex);
             sampler.start_at(vertex);
             Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
-        })
+        });
+        fitted.map(|fitted| fitted?.value())
     }
 
-    /// The values of up to four faces, each with the coverage of its window, from all vertices within a radius of their
-    /// barycentres; exactly flat where they all lie in a face's plane, as well as rounded coordinates tell.
-    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<(Blended, f64)>; LANES] {
+    /// Surfaces through all vertices within a radius of the barycentres of up to four faces; exactly flat where they all
+    /// lie in a face's plane, as well as rounded coordinates tell.
+    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<Fitted>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {
             let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
@@ -104,26 +128,30 @@ impl<'g> Steady<'g> {
             let reach = 4.0 * quantum.around(centre, frame.unit) * (1.0 + frame.unit / mesh.least_height(face))
                 + 1e-14 * frame.unit;
             if sampler.points.iter().all(|&p| (p - centre).dot(normal).abs() <= reach) {
-                let shape = Shape { normal, tensor: DMat3::ZERO };
-                flat[lane] = Some(Blended { shape, radius: frame.unit, error: 0.0 });
+                let surface = Chord::plane(Frame::upright(centre, normal, frame.unit)?);
+                flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error: 0.0, coverage: 0.0 });
                 return None;
             }
             Some(Taken { frame, centre, degree: 4 })
         });
         std::array::from_fn(|lane| {
-            let sampler = &self.samplers[lane];
-            let value = flat[lane].or(fitted[lane])?;
-            Some((value, sampler.coverage()))
+            let coverage = || self.samplers[lane].coverage();
+            flat[lane].or(fitted[lane]).map(|fitted| Fitted { coverage: coverage(), ..fitted })
         })
     }
 
+    /// The faces within a distance of `centre` among those that a lane gathered last, which must have been as far.
+    pub(super) fn gathered_within(&self, lane: usize, centre: DVec3, reach: f64) -> impl Iterator<Item = u32> {
+        self.samplers[lane].faces_within(centre, reach)
+    }
+
     /// Chord fits with weights that fall towards the rims, of the highest degrees up to those wanted that the samples
-    /// carry several times over.
+    /// carry several times over. Coverage is left open.
     fn fit(
         &mut self,
         count: usize,
         mut take: impl FnMut(usize, &mut Sampler<'_>) -> Option<Taken>,
-    ) -> [Option<Blended>; LANES] {
+    ) -> [Option<Fitted>; LANES] {
         let Steady { samplers, abreast, chords } = self;
         abreast.clear();
         let mut degrees = [0; LANES];
@@ -148,9 +176,15 @@ impl<'g> Steady<'g> {
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
             let (frame, degree) = (abreast.frame(lane).filter(|_| fits.is_carried(lane))?, fits.highest(lane));
-            let (_, shape) = fits.surface(lane, degree, frame).shape_at(centre)?;
-            let variance = fits.deviation_squared(lane, degree, &frame) * fits.tensor_variance(lane, degree, &frame);
-            Some(Blended { shape, radius: frame.unit, error: variance.sqrt() })
+            let square = fits.deviation_squared(lane, degree, &frame);
+            let error = (square * fits.tensor_variance(lane, degree, &frame)).sqrt();
+            Some(Fitted {
+                surface: fits.surface(lane, degree, frame),
+                centre,
+                noise: square.sqrt(),
+                error,
+                coverage: f64::NAN,
+            })
         })
     }
 }
