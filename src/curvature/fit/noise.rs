@@ -134,7 +134,7 @@ fn look_wider(
     let ground = Ground::new(ground.mesh, true, ground.work);
     let fans = Fans::new(&ground);
     if is_rough {
-        replace(steady::around_vertices(&fans, rough::window(&fans, &seeds)), Method::Window, &mut left, out);
+        replace(steady::around_vertices(&fans, rough::window(&fans)), Method::Window, &mut left, out);
     } else {
         let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left, kind);
         replace(values, Method::Patches, &mut left, out);

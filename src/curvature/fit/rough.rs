@@ -6,6 +6,7 @@ use super::lanes::LANES;
 use super::lepski::SMOOTH;
 use super::probe::{HOPELESS, POLYNOMIALS, Probe};
 use super::scale::{is_fine, probe_all};
+use super::seeds::scattered;
 use super::steady::Steady;
 use crate::mesh::Face;
 use rayon::prelude::*;
@@ -73,12 +74,13 @@ const TURN: f64 = 0.8;
 /// Vertices in every window of a rough surface. No scale stands out on it, but the more closely it was sampled, the less it
 /// turns over a window of so many vertices. So windows are the wider the less it turns, and a scan of half as many faces
 /// gets windows of nearly the same width.
-pub(super) fn window(fans: &Fans<'_>, seeds: &[Face]) -> usize {
+pub(super) fn window(fans: &Fans<'_>) -> usize {
     /// Smaller windows show the noise, larger ones cost more than they tell.
     const LEAST: f64 = 48.0;
     const MOST: f64 = 400.0;
-    // All seeds: some of them would depend on the order of faces, and all values on them.
-    let turns: Vec<f64> = seeds
+    /// Places that are looked at.
+    const LOOKS: usize = 5000;
+    let turns: Vec<f64> = scattered(fans.ground, LOOKS)
         .par_chunks(LANES)
         .map_init(|| Steady::new(fans), |steady, four| steady.around_faces(four, WINDOW))
         .flatten_iter()

@@ -15,25 +15,61 @@ struct Draw<'g> {
 }
 
 impl<'g> Draw<'g> {
+    /// From cells of which many fit into a face.
     fn new(ground: &'g Ground<'g>) -> Self {
-        /// Along the mesh, and where a few vertices far away make it large, along a face.
+        /// Along the mesh.
         const CELLS: f64 = (1 << 18) as f64;
+        /// Along a face.
         const OF_FACE: f64 = 16.0;
+        Draw::from_cells(ground, CELLS, OF_FACE)
+    }
+
+    /// From so many cells along the mesh and, where a few vertices far away make it large, along a face.
+    fn from_cells(ground: &'g Ground<'g>, along_mesh: f64, along_face: f64) -> Self {
         let (centre, axes, size) = ground.mesh.own_frame().unwrap_or((DVec3::ZERO, DMat3::IDENTITY, 1.0));
-        let cells = CELLS.max((OF_FACE * size / ground.width).log2().ceil().exp2());
+        let cells = along_mesh.max((along_face * size / ground.width).log2().ceil().exp2());
         Draw { ground, centre, to_cells: axes.transpose() * (cells / size) }
     }
 
-    fn of(&self, face: Face) -> u64 {
-        let mix = |mut x: u64| {
-            x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
-            x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
-            x ^ (x >> 33)
-        };
-        let cell = self.to_cells * (self.ground.mesh.barycentre(face) - self.centre);
+    /// Where a face lies, in cells.
+    fn place(&self, face: Face) -> DVec3 {
         // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
-        cell.to_array().iter().fold(1, |h: u64, c| mix(h ^ (c + 0.37).floor() as i64 as u64))
+        self.to_cells * (self.ground.mesh.barycentre(face) - self.centre) + 0.37
     }
+
+    fn of(&self, face: Face) -> u64 {
+        number(self.place(face))
+    }
+}
+
+/// The number of the cell in which a place lies.
+fn number(place: DVec3) -> u64 {
+    let mix = |mut x: u64| {
+        x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
+        x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
+        x ^ (x >> 33)
+    };
+    place.to_array().iter().fold(1, |h: u64, c| mix(h ^ c.floor() as i64 as u64))
+}
+
+/// At most `count` faces that lie all over the surface, at much the same places however it is meshed.
+pub(super) fn scattered(ground: &Ground<'_>, count: usize) -> Vec<Face> {
+    /// A grid of so many cells along the mesh has some ten thousand on the surface.
+    const CELLS: f64 = 128.0;
+    let draw = Draw::from_cells(ground, CELLS, 1.0 / 64.0);
+    let sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;
+    let mut faces: Vec<(u64, f64, u32)> = (0..ground.mesh.face_count() as u32)
+        .into_par_iter()
+        .filter(sound)
+        .map(|f| {
+            let place = draw.place(Face(f));
+            (number(place), (place - place.floor()).distance_squared(DVec3::splat(0.5)), f)
+        })
+        .collect();
+    // Of each cell the face nearest to its middle.
+    faces.par_sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    faces.dedup_by_key(|face| face.0);
+    faces.into_iter().take(count).map(|(_, _, f)| Face(f)).collect()
 }
 
 /// Faces of which none shares a vertex with another: those whose number is the greatest around.

@@ -172,7 +172,7 @@ impl<'g> Steady<'g> {
         if taken.iter().all(Option::is_none) {
             return [None; LANES];
         }
-        let fits = chords.fit(abreast, degrees, 2);
+        let fits = chords.fit(abreast, degrees, 1);
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
             let (frame, degree) = (abreast.frame(lane).filter(|_| fits.is_carried(lane))?, fits.highest(lane));
