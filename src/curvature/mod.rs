@@ -116,10 +116,8 @@ fn begin(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Re
 
 fn finish(mesh: &Mesh, mut values: Vec<FaceCurvature>, progress: &dyn Progress) -> Vec<FaceCurvature> {
     values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
-    for f in (0..values.len() as u32).map(Face) {
-        if let Some(original) = mesh.duplicate_of(f) {
-            values[f.index()] = values[original.index()];
-        }
+    for &(copy, original) in mesh.duplicates() {
+        values[copy.index()] = values[original.index()];
     }
     progress.end();
     values

@@ -137,7 +137,7 @@ impl Mesh {
 
         let mut states: Vec<FaceState> = faces.par_iter().map(|&f| state_of(f, &positions)).collect();
         let left_out: Vec<bool> =
-            states.iter().map(|s| matches!(s, FaceState::RepeatedVertex | FaceState::NotFinite)).collect();
+            states.par_iter().map(|s| matches!(s, FaceState::RepeatedVertex | FaceState::NotFinite)).collect();
         let (topology, found) = Topology::new(faces, positions.len(), &left_out);
         let mut left_out = left_out;
         for (copy, _) in &found.duplicates {
@@ -342,6 +342,11 @@ impl Mesh {
     pub fn duplicate_of(&self, face: Face) -> Option<Face> {
         let at = self.duplicates.binary_search_by_key(&face, |&(copy, _)| copy).ok()?;
         Some(self.duplicates[at].1)
+    }
+
+    /// Faces over the vertices of an earlier one, and that one.
+    pub(crate) fn duplicates(&self) -> &[(Face, Face)] {
+        &self.duplicates
     }
 
     /// Runs of faces that share a coordinate space, in face order (see [`Soup::bodies`]).

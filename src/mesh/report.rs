@@ -2,6 +2,7 @@
 
 use super::ids::Face;
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Number of edges of each kind. An edge counts once, however many faces it has.
@@ -122,16 +123,12 @@ pub struct FirstDefects {
 const FEW: usize = 5;
 
 /// The first few faces for which `wrong` holds, and how many there are.
-pub(super) fn first_few(count: usize, wrong: impl Fn(Face) -> bool) -> (usize, Vec<u32>) {
-    let mut total = 0;
-    let mut first = Vec::new();
-    for f in (0..count as u32).filter(|&f| wrong(Face(f))) {
-        total += 1;
-        if first.len() < FEW {
-            first.push(f);
-        }
+pub(super) fn first_few(count: usize, wrong: impl Fn(Face) -> bool + Sync) -> (usize, Vec<u32>) {
+    let is_wrong = |f: &u32| wrong(Face(*f));
+    match (0..count as u32).into_par_iter().filter(is_wrong).count() {
+        0 => (0, Vec::new()),
+        total => (total, (0..count as u32).filter(is_wrong).take(FEW).collect()),
     }
-    (total, first)
 }
 
 impl MeshReport {

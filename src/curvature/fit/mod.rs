@@ -118,10 +118,10 @@ pub(super) fn estimate(
         worker.first(start..start + out.len() as u32, out, quality);
         work.advance(out.len() as u64);
     });
-    if quality.iter().any(Quality::is_open) {
+    if quality.par_iter().any(Quality::is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
-    let doubtful: Vec<bool> = out.iter().zip(&quality).map(noise::is_doubtful).collect();
+    let doubtful: Vec<bool> = out.par_iter().zip(&quality).map(noise::is_doubtful).collect();
     drop(quality);
     noise::settle(&ground, options, doubtful, out);
 }
