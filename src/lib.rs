@@ -59,6 +59,7 @@ mod trace;
 mod triangulate;
 mod unfolding;
 mod vertex_values;
+mod wording;
 
 /// Single stages, for benches; no part of the interface.
 #[doc(hidden)]

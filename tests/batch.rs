@@ -120,7 +120,7 @@ fn the_exit_code_is_that_of_the_worst_file_also_when_it_was_done_before() {
     ] {
         assert_eq!(code(args), Some(2), "{args:?}");
     }
-    assert!(!folder.path().join("none").join(LOG).exists());
+    assert!(!folder.path().join("none").exists());
 }
 
 #[test]

@@ -211,7 +211,7 @@ fn part_of_a_mesh_is_better_than_none() {
     let cases: [(&str, Vec<u8>, &str); 5] = [
         ("cut.stl", fixture("suzanne.stl")[..20_000].to_vec(), "promises 968"),
         ("cut_ascii.stl", fixture("suzanne_meshlab_ascii.stl")[..20_000].to_vec(), "ends inside a facet"),
-        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 3 4\n".to_vec(), "1 faces with NaN"),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 3 4\n".to_vec(), "1 face with NaN"),
         ("double.obj", b"v 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 3 2 1\n".to_vec(), "earlier face"),
         (
             "fan.obj",

@@ -292,5 +292,5 @@ fn inspect_names_places() {
     assert!((at[0].as_f64().expect("a number") - 1.0 / 3.0).abs() < 1e-9, "{at:?}");
     let text = piped(&["inspect", "-"], b"v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\nf 1 1 2\n").stdout;
     let text = String::from_utf8_lossy(&text).into_owned();
-    assert!(text.contains("1 faces without area, not estimated (face 1) at (0 0 0.33333)"), "{text}");
+    assert!(text.contains("1 face without area, not estimated (face 1) at (0 0 0.33333)"), "{text}");
 }

@@ -4,6 +4,7 @@ use super::Outcome;
 use super::args::{AnnotateArgs, OutputsArgs};
 use super::messages::Messages;
 use super::progress::Bars;
+use crate::wording::counted;
 use osculate::{AnnotateOptions, Destination, Error, Output, OutputFormat, Progress, Summary};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,8 +22,8 @@ pub(super) fn run(args: &AnnotateArgs, messages: &Messages) -> Result<Outcome, E
     }
     let seconds = summary.seconds.total;
     let faces = match summary.written.selected_faces {
-        Some(selected) => format!("{selected} of {} faces", summary.report.faces),
-        None => format!("{} faces", summary.report.faces),
+        Some(selected) => format!("{selected} of {}", counted(summary.report.faces, "face")),
+        None => counted(summary.report.faces, "face"),
     };
     messages.info(&format!("{}: {faces} in {seconds:.2} s", args.outputs.output.display()));
     Ok(Outcome::of(summary.has_defects()))

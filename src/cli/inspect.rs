@@ -5,6 +5,7 @@ use super::choices::ReportFormat;
 use super::messages::Messages;
 use super::progress::Bars;
 use super::{Outcome, print};
+use crate::wording::{rounded, short};
 use osculate::{Bounds, Error, Inspection};
 use std::fmt::Write;
 
@@ -105,16 +106,4 @@ fn describe_bounds(Bounds { min, max }: Bounds) -> String {
     let digits = |value: f64| (value.abs() / extent).log10().ceil().clamp(0.0, 11.0) as usize + 5;
     let [min, max] = [min, max].map(|v| v.to_array().map(|value| rounded(value, digits(value))).join(" "));
     format!("({min}) to ({max}), size {}", size.to_array().map(short).join(" x "))
-}
-
-/// Five significant digits, in plain notation where that is short.
-fn short(value: f64) -> String {
-    rounded(value, 5)
-}
-
-/// So many significant digits.
-fn rounded(value: f64, digits: usize) -> String {
-    let text = format!("{value:.*e}", digits - 1);
-    let plain = value == 0.0 || (1e-4..10.0_f64.powi(digits as i32 + 2)).contains(&value.abs());
-    text.parse().ok().filter(|_| plain).map_or(text, |rounded: f64| rounded.to_string())
 }

@@ -4,6 +4,7 @@ use super::Outcome;
 use super::args::SynthArgs;
 use super::choices::ShapeArg;
 use super::messages::Messages;
+use crate::wording::counted;
 use glam::DVec3;
 use osculate::synth::{Grid, RoundedBox, ScanNoise, Surface, Synthetic};
 use osculate::{Error, Output};
@@ -23,7 +24,7 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
         out.write_all(synthetic.exact_csv().as_bytes()).map_err(|e| out.error(e))?;
         out.finish()?;
     }
-    messages.info(&format!("{}: {} faces", args.output.display(), synthetic.soup.face_count()));
+    messages.info(&format!("{}: {}", args.output.display(), counted(synthetic.soup.face_count(), "face")));
     Ok(Outcome::Done)
 }
 

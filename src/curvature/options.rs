@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::wording::short;
 
 /// How normal curvature is read off a diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -88,9 +89,11 @@ impl CurvatureOptions {
         self.check()?;
         let size = mesh.report().bounds.map_or(0.0, |bounds| bounds.size().length());
         match self.radius {
-            Radius::Length(length) if length > size => {
-                Err(Error::Usage(format!("the radius {length} is larger than the mesh, which is {size} across")))
-            }
+            Radius::Length(length) if length > size => Err(Error::Usage(format!(
+                "the radius {} is larger than the mesh, which is {} across",
+                short(length),
+                short(size)
+            ))),
             _ => Ok(()),
         }
     }

@@ -1,6 +1,7 @@
 //! What the construction of a mesh found: counts, extent and defects.
 
 use super::ids::Face;
+use crate::wording::counted;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -148,14 +149,14 @@ impl MeshReport {
         let mut remarks = Vec::new();
         if self.inside_out_components > 0 {
             remarks.push(format!(
-                "{} closed components have normals that point inwards: their curvature has the opposite sign",
-                self.inside_out_components
+                "{} with normals that point inwards: curvature there has the opposite sign",
+                counted(self.inside_out_components, "closed component")
             ));
         }
         if self.non_orientable_components > 0 {
             remarks.push(format!(
-                "{} components have no consistent winding: the sign of each of their faces is its own",
-                self.non_orientable_components
+                "{} with no consistent winding: the sign of each face there is its own",
+                counted(self.non_orientable_components, "component")
             ));
         }
         remarks
@@ -170,20 +171,21 @@ impl MeshReport {
         };
         let first = &self.first_defects;
         let mut defects = Vec::new();
-        let mut tell = |count: usize, what: &str, faces: &[u32]| {
+        let mut tell = |count: usize, thing: &str, what: &str, faces: &[u32]| {
             if count > 0 {
-                defects.push(format!("{count} {what} ({})", places(faces)));
+                defects.push(format!("{}{what} ({})", counted(count, thing), places(faces)));
             }
         };
-        tell(self.degenerate_faces, "faces without area, not estimated", &first.degenerate);
-        tell(self.non_finite_faces, "faces with NaN or infinite coordinates, not estimated", &first.non_finite);
+        tell(self.degenerate_faces, "face", " without area, not estimated", &first.degenerate);
+        tell(self.non_finite_faces, "face", " with NaN or infinite coordinates, not estimated", &first.non_finite);
         tell(
             self.duplicate_faces,
-            "duplicate faces, over the vertices of an earlier face, given its values",
+            "duplicate face",
+            ", over the vertices of an earlier face, given its values",
             &first.duplicate,
         );
-        tell(self.flipped_faces, "flipped faces, wound against their component, given its sign", &first.flipped);
-        tell(self.edges.non_manifold, "edges with three or more faces, where disks end", &first.non_manifold);
+        tell(self.flipped_faces, "flipped face", ", wound against the component, given its sign", &first.flipped);
+        tell(self.edges.non_manifold, "edge", " with three or more faces, where disks end", &first.non_manifold);
         defects
     }
 }

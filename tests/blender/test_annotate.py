@@ -282,7 +282,7 @@ class Refusals(Fresh):
         select(nowhere, good)
         result, said = call(bpy.ops.osculate.annotate)
         self.assertEqual(result, {"FINISHED"}, said)
-        self.assertIn("\"nowhere\": none of the 1 faces has an area and finite coordinates", said)
+        self.assertIn("\"nowhere\": none of the 1 face has an area and finite coordinates", said)
         self.assertNotIn("_CURVATURE_MEAN", nowhere.data.attributes)
         self.assertIn("_CURVATURE_MEAN", good.data.attributes)
 
@@ -292,7 +292,7 @@ class Refusals(Fresh):
             warnings.simplefilter("always")
             said = call(bpy.ops.osculate.annotate)[1]
             warnings.warn("somebody else's")
-        self.assertIn("1 faces without area", said)
+        self.assertIn("1 face without area", said)
         self.assertEqual([str(warning.message) for warning in caught], ["somebody else's"])
 
     def test_loose_edges_are_left_out_and_said(self):

@@ -55,7 +55,7 @@ pub(super) fn find(
     extension: &str,
     keep_extension: bool,
 ) -> Result<Found, Error> {
-    let real_folder = folder.canonicalize().map_err(|e| Error::io(folder, "read", e))?;
+    let real_folder = osculate::real_path(folder);
     let mut found = Found::default();
     let mut candidates = Vec::new();
     for argument in arguments {

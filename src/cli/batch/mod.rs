@@ -24,8 +24,8 @@ pub use journal::{Counts, Status};
 pub(super) fn run(args: &BatchArgs, messages: &Messages) -> Result<Outcome, Error> {
     let start = Instant::now();
     let batch = Batch::new(args)?;
-    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let Found { jobs, failures } = inputs::find(&args.inputs, &args.output, batch.extension(), args.keep_extension)?;
+    std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let (journal, records) = Journal::open(&args.output, args.resume)?;
     // What a killed run has left behind.
     let folders: BTreeSet<&Path> = jobs.iter().filter_map(|job| job.output.parent()).collect();
