@@ -363,11 +363,15 @@ pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {
     let [of_disks, of_fits] = values.par_iter().map(weak).reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let all = values.len();
     if 10 * of_disks > all {
-        // Where there are fits too, disks are what faces get whose patch has too few vertices for one.
+        // Where there are fits too, sections are what faces get whose patch has too few vertices for one.
         let has_fits = values.par_iter().any(|v| !matches!(v.method, Method::Sections | Method::None));
-        let remedy = if has_fits { "a larger --feature-angle" } else { "a smaller --radius" };
+        if has_fits {
+            return Some(Note::info(format!(
+                "{of_disks} of {all} faces lie between borders and sharp edges that leave too few vertices for a fit: short sections say less; a larger --feature-angle lets fits reach over more edges"
+            )));
+        }
         return Some(Note::info(format!(
-            "{of_disks} of {all} faces are not flat and have coverage below 0.5: borders or sharp edges cut most of their disk off; {remedy} may tell more of them"
+            "{of_disks} of {all} faces are not flat and have coverage below 0.5: borders or sharp edges cut most of their disk off; a smaller --radius may tell more of them"
         )));
     }
     (10 * of_fits > all).then(|| {

@@ -179,10 +179,10 @@ fn options_of_annotate_hold_for_every_file() {
     assert!(String::from_utf8_lossy(&kept.stderr).contains("a.stl.glb exists"));
 }
 
-/// Sixty copies of a mesh, so that a run lasts.
-/// So many that a batch is still at work when a signal reaches it, on any machine.
+/// So many meshes that a batch is still at work when a signal reaches it, on any machine.
 const MANY: usize = 200;
 
+/// Many copies of a mesh, so that a run lasts.
 fn many() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let mesh = fs::read(fixture("suzanne.stl")).expect("a fixture");

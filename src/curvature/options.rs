@@ -54,8 +54,8 @@ pub enum Radius {
 pub struct CurvatureOptions {
     /// How curvature is estimated. Default: auto.
     pub estimator: Estimator,
-    /// For [`Estimator::Auto`], the largest distance of a vertex that a face's values come from; by
-    /// default its windows choose themselves. For the others, the length of the legs: sections are polygons,
+    /// For [`Estimator::Auto`], the radius of the windows of vertices that a face's values come from; by
+    /// default they choose themselves. For the others, the length of the legs: sections are polygons,
     /// so the error of formula (1) falls with the square of edge over radius, and grows with the square of
     /// radius over the distance in which the curvature changes.
     ///

@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Bits of a coordinate in a place on the curve: where there is room for them, enough that few faces of a million share a
-/// cell; and in each of these cells.
+/// Bits of a coordinate in a first sort along the curve, fewer where the numbers of faces need the room; and over the whole
+/// curve, for faces that share a cell then.
 const COARSE: u32 = 13;
 const FINE: u32 = 21;
 

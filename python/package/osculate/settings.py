@@ -182,7 +182,7 @@ class ConvertSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise.
+    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
     up: Literal["y", "z"] | None
 
     #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
@@ -298,7 +298,7 @@ class WriteSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise.
+    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
     up: Literal["y", "z"] | None
 
     #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
@@ -447,7 +447,7 @@ class BatchSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise.
+    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
     up: Literal["y", "z"] | None
 
     #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.

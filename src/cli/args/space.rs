@@ -8,7 +8,7 @@ use osculate::{InputFormat, Space};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(in crate::cli) struct SpaceArgs {
-    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL, y otherwise
+    /// The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise
     #[arg(long, value_enum)]
     pub(super) up: Option<UpArg>,
 

@@ -73,13 +73,19 @@ impl ChordFitter {
         factor
     }
 
-    /// The models of degree 2 and higher, up to one of `N` terms.
+    /// The models of the lowest degree asked for and higher, up to one of `N` terms; lower ones where samples carry no more.
     #[inline(always)]
-    fn models<const N: usize>(&mut self, abreast: &Abreast, highest: [usize; LANES], most: usize) -> [Model; 5] {
+    fn models<const N: usize>(
+        &mut self,
+        abreast: &Abreast,
+        lowest: usize,
+        highest: [usize; LANES],
+        most: usize,
+    ) -> [Model; 5] {
         let factor = self.factor::<N>(abreast, most);
         let mut models = [Model::ZERO; 5];
         for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(2) {
-            let is_asked_for = degree > 2 || highest.contains(&2);
+            let is_asked_for = degree >= lowest || highest.contains(&degree);
             if !is_asked_for {
                 continue;
             }
@@ -100,6 +106,7 @@ impl Model {
 struct FitLanes<'f> {
     fitter: &'f mut ChordFitter,
     abreast: &'f mut Abreast,
+    lowest: usize,
     degrees: [usize; LANES],
     rounds: usize,
 }
@@ -109,7 +116,7 @@ impl Kernel for FitLanes<'_> {
 
     #[inline(always)]
     fn run(self) -> ChordFits {
-        let FitLanes { fitter, abreast, degrees, rounds } = self;
+        let FitLanes { fitter, abreast, lowest, degrees, rounds } = self;
         let counts = abreast.counts;
         let carried = counts.map(|count| (2..=4).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
         for _ in 0..rounds {
@@ -119,9 +126,9 @@ impl Kernel for FitLanes<'_> {
         }
         let highest: [usize; LANES] = std::array::from_fn(|lane| carried[lane].min(degrees[lane]));
         let models = match highest.into_iter().max() {
-            Some(4) => fitter.models::<{ terms(4) }>(abreast, highest, 4),
-            Some(3) => fitter.models::<{ terms(3) }>(abreast, highest, 3),
-            _ => fitter.models::<{ terms(2) }>(abreast, highest, 2),
+            Some(4) => fitter.models::<{ terms(4) }>(abreast, lowest, highest, 4),
+            Some(3) => fitter.models::<{ terms(3) }>(abreast, lowest, highest, 3),
+            _ => fitter.models::<{ terms(2) }>(abreast, lowest, highest, 2),
         };
         ChordFits { models, highest, counts }
     }
@@ -132,10 +139,17 @@ impl ChordFitter {
         ChordFitter { samples: Samples::default() }
     }
 
-    /// Fits polynomials, in each lane up to a degree, to samples around the origins of their frames, none of them further
-    /// from it than about a unit; before that, `rounds` times, a cubic that says how the frame is to be moved and tilted.
-    pub(super) fn fit(&mut self, abreast: &mut Abreast, degrees: [usize; LANES], rounds: usize) -> ChordFits {
-        run(FitLanes { fitter: self, abreast, degrees, rounds })
+    /// Fits polynomials, in each lane from the lowest up to a degree, to samples around the origins of their frames, none of
+    /// them further from it than about a unit; before that, `rounds` times, a cubic that says how the frame is to be moved
+    /// and tilted.
+    pub(super) fn fit(
+        &mut self,
+        abreast: &mut Abreast,
+        lowest: usize,
+        degrees: [usize; LANES],
+        rounds: usize,
+    ) -> ChordFits {
+        run(FitLanes { fitter: self, abreast, lowest, degrees, rounds })
     }
 }
 
@@ -166,6 +180,28 @@ impl ChordFits {
     pub(super) fn settled(&self, lane: usize, frame: &Frame) -> Option<Frame> {
         let [c, x, y] = [0, 1, 2].map(|i| self.models[self.highest[lane]].coefficients[i].0[lane]);
         frame.moved(c, x, y)
+    }
+
+    /// The mean of a lane's paraboloid and its surface of the highest degree, which follows what the surface does within the
+    /// window, if it is smooth, and whatever else there is, if it is not. Each has the more weight the less its misfit makes
+    /// its shape tensor uncertain. With the samples' standard deviation, in file units, and the standard error of the
+    /// tensor, 1/length.
+    pub(super) fn mean(&self, lane: usize, frame: Frame) -> (Chord, f64, f64) {
+        let [low, high] = [2, self.highest[lane]].map(|degree| {
+            let square = self.deviation_squared(lane, degree, &frame);
+            (
+                self.surface(lane, degree, frame),
+                square.sqrt(),
+                (square * self.tensor_variance(lane, degree, &frame)).sqrt(),
+            )
+        });
+        let share = match (low.2.powi(4), high.2.powi(4)) {
+            (low, high) if low + high > 0.0 => low / (low + high),
+            _ => 1.0,
+        };
+        let between = |low: f64, high: f64| low + share * (high - low);
+        let coefficients = std::array::from_fn(|i| between(low.0.coefficients[i], high.0.coefficients[i]));
+        (Chord { frame, coefficients }, between(low.1, high.1), between(low.2, high.2))
     }
 
     pub(super) fn surface(&self, lane: usize, degree: usize, frame: Frame) -> Chord {
@@ -341,7 +377,7 @@ mod tests {
             Frame { origin: DVec3::new(0.0, 0.0, 0.1), axes, unit: 2.5 },
             samples.iter().map(|&p| (p, 1.0)),
         );
-        let fits = ChordFitter::new().fit(&mut abreast, [4; LANES], 6);
+        let fits = ChordFitter::new().fit(&mut abreast, 3, [4; LANES], 6);
         let frame = abreast.frame(2).expect("a frame");
         assert!(fits.highest(2) == 4 && !fits.is_carried(1));
         for degree in [3, 4] {

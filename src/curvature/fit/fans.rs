@@ -12,8 +12,8 @@ use rayon::prelude::*;
 /// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their vertex.
 pub(super) struct Fans<'g> {
     pub(super) ground: &'g Ground<'g>,
-    /// The faces of each fan whose least corner is there, by coordinates of a frame that turns with the mesh: whichever corner a
-    /// file names first.
+    /// Each sound face, listed at the fan of its least corner, by coordinates in the mesh's own frame, so that it does not
+    /// matter which corner a file names first.
     faces: Lists,
     /// None where no vertex is divided.
     split: Option<Split>,
@@ -52,7 +52,8 @@ impl<'g> Fans<'g> {
             let (first, fan) = if b < a { (b, y) } else { (a, x) };
             if c < first { z } else { fan }
         };
-        let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (least(f), f));
+        let least: Vec<u32> = (0..corners.len() as u32).into_par_iter().map(least).collect();
+        let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (least[f as usize], f));
         let faces = Lists::of_pairs(fans, sound);
         let normals = split.as_ref().map_or(&ground.normals, |split| &split.normals);
         let directions = normals.par_iter().map(|normal| normal.normalize_or_zero()).collect();

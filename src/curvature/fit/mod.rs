@@ -45,10 +45,10 @@ mod samples;
 mod scale;
 mod seeds;
 mod shape;
+mod shared;
 mod stars;
 mod steady;
 mod strips;
-mod wide;
 mod width;
 mod window;
 mod work;
@@ -67,6 +67,7 @@ use patches::Blended;
 use quantum::{Quantum, quantum};
 use rayon::prelude::*;
 use shape::Principal;
+use std::f64::consts::PI;
 use std::ops::Range;
 use steady::Steady;
 use window::Window;
@@ -135,7 +136,8 @@ fn within<'g>(
     out: &mut [FaceCurvature],
 ) {
     let fans = Fans::new(ground);
-    let shared = if wide::pays(ground.mesh, &radius) { wide::estimate(&fans, &quantum, &radius) } else { Vec::new() };
+    let shared =
+        if shared::pays(ground.mesh, &radius) { shared::estimate(&fans, &quantum, &radius) } else { Vec::new() };
     let tools = || (worker(), Steady::new(&fans));
     out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
         let start = chunk * CHUNK;
@@ -265,7 +267,11 @@ fn value_of(reading: &Reading, method: Method, options: &CurvatureOptions) -> Fa
 /// A value from patches or windows.
 fn blended_value(coverage: f64, b: &Blended, method: Method, options: &CurvatureOptions) -> FaceCurvature {
     let principal = b.shape.principal();
-    let confidence = confidence(&principal, b.error, b.radius) as f32;
+    let error = match method {
+        Method::Window => b.error + unseen(&principal, b.radius),
+        _ => b.error,
+    };
+    let confidence = confidence(&principal, error, b.radius) as f32;
     let value = value_from(&principal, b.radius, options);
     FaceCurvature { coverage: coverage as f32, confidence, method, ..value }
 }
@@ -280,6 +286,12 @@ fn value_from(p: &Principal, radius: f64, options: &CurvatureOptions) -> FaceCur
         class: FaceClass::of(p.k_max, p.k_min, radius, options.class_tolerance),
         ..FaceCurvature::NOT_ESTIMATED
     }
+}
+
+/// What a window cannot tell, however well it is explained: a surface that turns by half a circle from the middle to the rim.
+fn unseen(principal: &Principal, radius: f64) -> f64 {
+    let bend = principal.size();
+    bend * (bend * radius / PI).powi(8)
 }
 
 /// One half where the expected error is a twentieth of the curvature; for faces that hardly bend, of the

@@ -138,7 +138,9 @@ impl AddPatch<'_> {
         let sides = Sides::of(frame);
         let Patch { centre, reach, error, doubt, noise, .. } = *patch;
         let radius = frame.unit;
-        let is_far = noise * 4.0 + radius * 0.05;
+        // At this height over the surface, for its noise, a face has half the weight.
+        let far_height = noise * 4.0 + radius * 0.05;
+        let certain = 1e-9 / radius;
         for some in reached.chunks(LANES) {
             let at = |lane: usize| (some[lane.min(some.len() - 1)] - first) as usize;
             let (mut way, mut normal) = (V3::ZERO, V3::ZERO);
@@ -150,10 +152,11 @@ impl AddPatch<'_> {
             let foot = sides.in_space(&surface.foot(sides.to_local(way, centre)));
             let inside = F4::ONE - way.dot(way) * (1.0 / (reach * reach));
             let facing = foot.normal.dot(normal);
-            // A face far from the surface, for its noise, is no part of it.
-            let far = foot.height * (1.0 / is_far);
+            // A face far from the surface is no part of it.
+            let far = foot.height * (1.0 / far_height);
             let far = far * far * (far * far);
-            let weight = inside * inside * facing * facing * (1.0 / (doubt * doubt + 1e-300)) / (F4::ONE + far);
+            let weight =
+                inside * inside * facing * facing * (1.0 / (doubt * doubt + certain * certain)) / (F4::ONE + far);
             for (lane, &face) in some.iter().enumerate() {
                 let is_there = foot.upright.0[lane] > 0.0 && inside.0[lane] > 0.0 && facing.0[lane] > 0.0;
                 let tensor = foot.tensor.lane(lane);

@@ -95,7 +95,7 @@ pub(super) fn window(fans: &Fans<'_>) -> usize {
 }
 
 /// The median of what is a finite number.
-fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied()

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 const CHUNK: usize = 64;
-/// Levels at which all seeds are looked at; each one further up, about half of those before.
+/// Levels at which all seeds are looked at; each one further up, six of ten of those before.
 const SPARSE: usize = 2;
 /// The same where windows of no more than level [`DENSE_UP_TO`] are chosen: what they say changes from place to place.
 const DENSE: usize = 4;

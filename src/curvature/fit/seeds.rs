@@ -24,7 +24,8 @@ impl<'g> Draw<'g> {
         Draw::from_cells(ground, CELLS, OF_FACE)
     }
 
-    /// From so many cells along the mesh and, where a few vertices far away make it large, along a face.
+    /// From a grid of at least so many cells along the mesh; finer, if a few far vertices make the mesh large, so that a
+    /// face still has so many.
     fn from_cells(ground: &'g Ground<'g>, along_mesh: f64, along_face: f64) -> Self {
         let (centre, axes, size) = ground.mesh.own_frame().unwrap_or((DVec3::ZERO, DMat3::IDENTITY, 1.0));
         let cells = along_mesh.max((along_face * size / ground.width).log2().ceil().exp2());
@@ -33,7 +34,7 @@ impl<'g> Draw<'g> {
 
     /// Where a face lies, in cells.
     fn place(&self, face: Face) -> DVec3 {
-        // Half a cell off, where the points of regular meshes do not lie on the cells' borders.
+        // Off the cells' borders, on which points of regular meshes would lie.
         self.to_cells * (self.ground.mesh.barycentre(face) - self.centre) + 0.37
     }
 

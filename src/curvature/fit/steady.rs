@@ -1,6 +1,6 @@
 //! Windows of one size for a whole mesh: the same linear measurement everywhere.
 //!
-//! For surfaces that are rough at every scale, and for a radius that the user has given (see [`wide`](super::wide) for large
+//! For surfaces that are rough at every scale, and for a radius that the user has given (see [`shared`](super::shared) for large
 //! ones).
 
 use super::abreast::Abreast;
@@ -17,6 +17,8 @@ use rayon::prelude::*;
 
 /// Least number of vertices in a window of given radius, where the patch has them.
 const LEAST: usize = 16;
+/// How far rounding may tilt the plane of a face that says whether its window is flat.
+const STEEPEST: f64 = 1e-4;
 
 /// Fits windows around four places at a time; one per thread.
 pub(super) struct Steady<'g> {
@@ -96,20 +98,29 @@ impl<'g> Steady<'g> {
 
     /// Paraboloids around up to four faces, in windows of so many vertices.
     pub(super) fn around_faces(&mut self, faces: &[Face], window: usize) -> [Option<Blended>; LANES] {
-        let fitted = self.fit(faces.len(), |lane, sampler| {
-            let centre = sampler.fans.ground.mesh.barycentre(faces[lane]);
+        self.nearest(faces.len(), window, |lane, sampler| {
             sampler.start(faces[lane]);
-            Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
-        });
-        fitted.map(|fitted| fitted?.value())
+            sampler.fans.ground.mesh.barycentre(faces[lane])
+        })
     }
 
     /// The same around up to four vertices.
     fn around(&mut self, vertices: &[usize], window: usize) -> [Option<Blended>; LANES] {
-        let fitted = self.fit(vertices.len(), |lane, sampler| {
-            let vertex = vertices[lane] as u32;
-            let centre = sampler.fans.ground.position(vertex);
-            sampler.start_at(vertex);
+        self.nearest(vertices.len(), window, |lane, sampler| {
+            sampler.start_at(vertices[lane] as u32);
+            sampler.fans.ground.position(vertices[lane] as u32)
+        })
+    }
+
+    /// The same around places at which `start` has a lane's sampler start.
+    fn nearest(
+        &mut self,
+        count: usize,
+        window: usize,
+        start: impl Fn(usize, &mut Sampler<'_>) -> DVec3,
+    ) -> [Option<Blended>; LANES] {
+        let fitted = self.fit(count, |lane, sampler| {
+            let centre = start(lane, sampler);
             Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
         });
         fitted.map(|fitted| fitted?.value())
@@ -124,12 +135,14 @@ impl<'g> Steady<'g> {
             let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
             sampler.start(face);
             let frame = sampler.take_within(centre, radius, LEAST)?;
-            // The rounding of the face's corners tilts its plane, more at a distance.
+            // The rounding of the face's corners tilts its plane, more at a distance; that of needles says nothing.
             let reach = 4.0 * quantum.around(centre, frame.unit) * (1.0 + frame.unit / mesh.least_height(face))
                 + 1e-14 * frame.unit;
-            if sampler.points.iter().all(|&p| (p - centre).dot(normal).abs() <= reach) {
+            let is_plane = |&p: &DVec3| (p - centre).dot(normal).abs() <= reach;
+            if reach < STEEPEST * frame.unit && sampler.points.iter().all(is_plane) {
                 let surface = Chord::plane(Frame::upright(centre, normal, frame.unit)?);
-                flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error: 0.0, coverage: 0.0 });
+                let error = reach / frame.unit.powi(2);
+                flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, coverage: 0.0 });
                 return None;
             }
             Some(Taken { frame, centre, degree: 4 })
@@ -172,19 +185,12 @@ impl<'g> Steady<'g> {
         if taken.iter().all(Option::is_none) {
             return [None; LANES];
         }
-        let fits = chords.fit(abreast, degrees, 1);
+        let fits = chords.fit(abreast, 2, degrees, 1);
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
-            let (frame, degree) = (abreast.frame(lane).filter(|_| fits.is_carried(lane))?, fits.highest(lane));
-            let square = fits.deviation_squared(lane, degree, &frame);
-            let error = (square * fits.tensor_variance(lane, degree, &frame)).sqrt();
-            Some(Fitted {
-                surface: fits.surface(lane, degree, frame),
-                centre,
-                noise: square.sqrt(),
-                error,
-                coverage: f64::NAN,
-            })
+            let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane))?;
+            let (surface, noise, error) = fits.mean(lane, frame);
+            Some(Fitted { surface, centre, noise, error, coverage: f64::NAN })
         })
     }
 }

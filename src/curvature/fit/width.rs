@@ -3,18 +3,17 @@
 use crate::mesh::{Face, FaceState, Mesh};
 use rayon::prelude::*;
 
-/// The power of two nearly as large as most faces are wide: the mean, by exponents, of the roots of the areas of sound
-/// faces. Single faces, however large or far from others, do not count for more, and neither does the order of faces.
+/// The power of two nearly as large as most faces are wide: the mean, by exponents, of the sides of sound faces. Single faces,
+/// however large or far from others, do not count for more, and neither does the order of faces or of their corners.
 pub(super) fn typical_width(mesh: &Mesh) -> f64 {
-    let exponent = |f: u32| {
+    let exponents = |f: u32| {
         let [a, b, c] = mesh.triangle(Face(f));
-        // Twice the exponent of the root of the area: lengths first, whose squares may be beyond all numbers.
-        i64::from(exponent_of((b - a).length())) + i64::from(exponent_of((c - a).length()))
+        [b - a, c - b, a - c].into_iter().map(|side| i64::from(exponent_of(side.length()))).sum::<i64>()
     };
     let (sum, count) = (0..mesh.face_count() as u32)
         .into_par_iter()
         .filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound)
-        .map(|f| (exponent(f), 2))
+        .map(|f| (exponents(f), 3))
         .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     let mean = if count > 0 { sum.div_euclid(count) } else { 0 };
     2.0_f64.powi(mean.clamp(-1000, 1000) as i32)
