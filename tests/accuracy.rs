@@ -6,7 +6,7 @@ mod common;
 use common::{percentile, size, values_of};
 use glam::DVec3;
 use osculate::synth::{Grid, RoundedBox, ScanNoise, Surface, Synthetic};
-use osculate::{CurvatureOptions, FaceClass, FaceCurvature, Method, Positions, Soup};
+use osculate::{CurvatureOptions, FaceClass, FaceCurvature, Method, Positions, Radius, Soup};
 
 const TORUS: Surface = Surface::Torus { major: 3.0, minor: 1.0 };
 
@@ -18,7 +18,11 @@ fn irregular(surface: Surface, faces: usize) -> Grid {
 /// Values, and errors of all faces: of k_max or k_min, whichever is worse, relative to the larger of
 /// them (at least a hundredth of the largest on the mesh), infinite where there is no estimate.
 fn estimated(mesh: &Synthetic) -> (Vec<FaceCurvature>, Vec<f64>) {
-    let values = values_of(&mesh.soup, &CurvatureOptions::default());
+    estimated_by(mesh, &CurvatureOptions::default())
+}
+
+fn estimated_by(mesh: &Synthetic, options: &CurvatureOptions) -> (Vec<FaceCurvature>, Vec<f64>) {
+    let values = values_of(&mesh.soup, options);
     let floor = 0.01 * mesh.exact.iter().map(size).fold(0.0, f64::max);
     let error = |(v, e): (&FaceCurvature, &osculate::synth::Exact)| {
         let error = (f64::from(v.k_max) - e.k_max).abs().max((f64::from(v.k_min) - e.k_min).abs());
@@ -180,4 +184,40 @@ fn saddles_are_as_good_at_the_border_as_inside() {
         let (inside, border) = (p95(true), p95(false));
         assert!(border <= 2.0 * inside && border < most, "{surface:?}: inside {inside} %, at the border {border} %");
     }
+}
+
+fn within(radius: f64) -> CurvatureOptions {
+    CurvatureOptions { radius: Radius::Length(radius), ..CurvatureOptions::default() }
+}
+
+/// No window of that size tells how they bend: they get what they get without a radius.
+#[test]
+fn facets_as_long_as_a_given_radius_keep_their_values() {
+    for facets in [24, 200] {
+        let cylinder = Grid::new(Surface::Cylinder { radius: 1.0, height: 10.0 }, facets, 1).build();
+        for radius in [0.5, 1.0, 6.7, 9.5, 10.1] {
+            let (values, errors) = estimated_by(&cylinder, &within(radius));
+            let worst = errors.iter().copied().fold(0.0, f64::max);
+            assert!(worst < 1e-3, "{facets} facets, radius {radius}: {worst}");
+            assert!(values.iter().all(|value| value.method != Method::Window));
+        }
+    }
+}
+
+/// Noise makes edges sharp, which windows then reach over.
+#[test]
+fn windows_of_a_given_radius_hold_under_noise() {
+    let torus = Grid { noise: 0.2, ..irregular(TORUS, 20_000) }.build();
+    let (values, errors) = estimated_by(&torus, &within(0.8));
+    assert!(values.iter().all(|value| value.method == Method::Window));
+    let p95 = percentile(errors.into_iter(), 0.95);
+    assert!(p95 < 16.0, "{p95} %");
+}
+
+/// The paraboloid smooths where no polynomial explains the window, and the quartic follows where one does.
+#[test]
+fn windows_of_a_given_radius_follow_smooth_surfaces() {
+    let (_, errors) = estimated_by(&irregular(TORUS, 20_000).build(), &within(0.5));
+    let median = percentile(errors.into_iter(), 0.5);
+    assert!(median < 0.1, "{median} %");
 }

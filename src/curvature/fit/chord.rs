@@ -159,6 +159,14 @@ impl ChordFits {
         self.highest[lane] > 0
     }
 
+    /// True where a lane's samples determine a paraboloid, if it was asked for: those on two rims, as of a cylinder's long
+    /// facets, do not.
+    pub(super) fn is_firm(&self, lane: usize) -> bool {
+        /// Variance of the tensor, in units of the frame, times the number of samples; about 300 for a disk of them.
+        const MOST: f64 = 10_000.0;
+        self.models[2].variance.0[lane] * self.counts[lane] as f64 <= MOST
+    }
+
     /// The highest degree of a lane that was asked for and that its samples carry.
     pub(super) fn highest(&self, lane: usize) -> usize {
         self.highest[lane]

@@ -97,18 +97,66 @@ pub(super) fn estimate(
     out: &mut [FaceCurvature],
 ) {
     let work = Work::new(progress, out.len());
-    let ground = Ground::new(mesh, false, &work);
-    let quantum = quantum(mesh, ground.width);
-    let worker = || Worker {
-        ground: &ground,
-        options,
-        surveyor: Surveyor::new(&ground, quantum),
-        window: Window::new(),
-        disk: Disk::new(),
-    };
-    if radius(Face(0)).is_some() {
-        return within(&ground, quantum, worker, radius, out);
+    if radius(Face(0)).is_none() {
+        return freely(mesh, options, &work, out);
     }
+    let values = within(mesh, options, radius, &work);
+    let is_open =
+        |(f, value): (usize, &Option<_>)| value.is_none() && mesh.face_state(Face(f as u32)) == FaceState::Sound;
+    if values.par_iter().enumerate().any(is_open) {
+        freely(mesh, options, &work, out);
+    }
+    out.par_iter_mut().zip(values).for_each(|(out, value)| {
+        if let Some((value, coverage)) = value {
+            *out = blended_value(coverage, &value, Method::Window, options);
+        }
+    });
+    work.finish();
+}
+
+/// The values of all faces within the radius that the user has given for each, with their coverages; `None` for faces that
+/// no such window tells of: those of a size that the radius is small against, and those whose vertices do not determine how
+/// the surface bends.
+fn within(
+    mesh: &Mesh,
+    options: &CurvatureOptions,
+    radius: impl Fn(Face) -> Option<f64> + Sync,
+    work: &Work<'_>,
+) -> Vec<Option<(Blended, f64)>> {
+    let mut ground = Ground::new(mesh, false, work);
+    let quantum = quantum(mesh, ground.width);
+    // Where all is noise, it has made the sharp edges too.
+    if scale::is_fine(mesh) && noise::is_everywhere(mesh, &mut Worker::new(&ground, options, quantum)) {
+        ground = Ground::new(mesh, true, work);
+    }
+    let fans = Fans::new(&ground);
+    if shared::pays(mesh, &radius) {
+        return shared::estimate(&fans, &quantum, radius);
+    }
+    let mut values = vec![None; mesh.face_count()];
+    values.par_chunks_mut(CHUNK).enumerate().for_each_init(
+        || Steady::new(&fans),
+        |steady, (chunk, values)| {
+            let start = chunk * CHUNK;
+            let faces = (start..start + values.len()).map(|f| Face(f as u32));
+            let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
+            let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
+            for four in wanted.chunks(LANES) {
+                for ((face, _), fitted) in four.iter().zip(steady.within(four, &quantum)) {
+                    values[face.index() - start] = fitted.and_then(|fitted| Some((fitted.value()?, fitted.coverage)));
+                }
+            }
+            work.advance(values.len() as u64);
+        },
+    );
+    values
+}
+
+/// Estimates all faces with windows as the surface lets them be.
+fn freely(mesh: &Mesh, options: &CurvatureOptions, work: &Work<'_>, out: &mut [FaceCurvature]) {
+    let ground = Ground::new(mesh, false, work);
+    let quantum = quantum(mesh, ground.width);
+    let worker = || Worker::new(&ground, options, quantum);
     if noise::is_all_over(mesh, &mut worker()) {
         return noise::estimate(&ground, options, worker, out);
     }
@@ -125,44 +173,6 @@ pub(super) fn estimate(
     let doubtful: Vec<bool> = out.par_iter().zip(&quality).map(noise::is_doubtful).collect();
     drop(quality);
     noise::settle(&ground, options, doubtful, out);
-}
-
-/// The values of all faces within the radius that the user has given for each.
-fn within<'g>(
-    ground: &Ground<'g>,
-    quantum: Quantum,
-    worker: impl Fn() -> Worker<'g> + Sync,
-    radius: impl Fn(Face) -> Option<f64> + Sync,
-    out: &mut [FaceCurvature],
-) {
-    let fans = Fans::new(ground);
-    let shared =
-        if shared::pays(ground.mesh, &radius) { shared::estimate(&fans, &quantum, &radius) } else { Vec::new() };
-    let tools = || (worker(), Steady::new(&fans));
-    out.par_chunks_mut(CHUNK).enumerate().for_each_init(tools, |(worker, steady), (chunk, out)| {
-        let start = chunk * CHUNK;
-        for (out, shared) in out.iter_mut().zip(shared.iter().skip(start)) {
-            if let Some((value, coverage)) = shared {
-                *out = blended_value(*coverage, value, Method::Window, worker.options);
-            }
-        }
-        let faces = (start..).take(out.len()).map(|f| Face(f as u32));
-        let sound = faces.filter(|&face| ground.mesh.face_state(face) == FaceState::Sound);
-        let left = sound.filter(|face| !out[face.index() - start].is_estimated());
-        let wanted: Vec<(Face, f64)> = left.filter_map(|face| Some((face, radius(face)?))).collect();
-        for four in wanted.chunks(LANES) {
-            for (&(face, _), fitted) in four.iter().zip(steady.within(four, &quantum)) {
-                let out = &mut out[face.index() - start];
-                match fitted.and_then(|fitted| Some((fitted.value()?, fitted.coverage))) {
-                    Some((value, coverage)) => *out = blended_value(coverage, &value, Method::Window, worker.options),
-                    None => {
-                        worker.first_of(face, out);
-                    }
-                }
-            }
-        }
-        ground.work.advance(out.len() as u64);
-    });
 }
 
 /// Values for faces whose windows no surface explains, from the part of the surroundings that goes on as the face does.
@@ -209,7 +219,12 @@ fn look_aside<'g>(
     flats::settle(ground, &quantum, quality, out);
 }
 
-impl Worker<'_> {
+impl<'g> Worker<'g> {
+    fn new(ground: &'g Ground<'g>, options: &'g CurvatureOptions, quantum: Quantum) -> Self {
+        let surveyor = Surveyor::new(ground, quantum);
+        Worker { ground, options, surveyor, window: Window::new(), disk: Disk::new() }
+    }
+
     /// The fit of one face, or its sections where there is none.
     fn first_of(&mut self, face: Face, out: &mut FaceCurvature) -> Quality {
         let mut quality = Quality::NO_FIT;
@@ -299,4 +314,21 @@ fn unseen(principal: &Principal, radius: f64) -> f64 {
 fn confidence(principal: &Principal, error: f64, radius: f64) -> f64 {
     let bend = principal.size().max(0.02 / radius);
     1.0 / (1.0 + error / (0.05 * bend))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DVec3};
+
+    #[test]
+    fn a_window_that_the_surface_turns_too_much_in_has_no_confidence() {
+        let confidence = |turn: f64| {
+            let tensor = DMat3::from_diagonal(DVec3::new(0.5 * turn, 0.5 * turn, 0.0));
+            let shape = shape::Shape { normal: DVec3::Z, tensor };
+            let blended = Blended { shape, radius: 2.0, error: 0.0 };
+            blended_value(1.0, &blended, Method::Window, &CurvatureOptions::default()).confidence
+        };
+        assert!(confidence(1.0) > 0.99 && confidence(3.0) < 0.2 && confidence(5.0) < 0.01);
+    }
 }

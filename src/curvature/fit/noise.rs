@@ -16,24 +16,28 @@ pub(super) fn is_doubtful((value, quality): (&FaceCurvature, &Quality)) -> bool 
     quality.is_doubtful && value.method == Method::Fit
 }
 
-/// True for large surfaces of which nearly all windows are noisy, as faces here and there tell.
+/// True for large surfaces of which nearly all windows are noisy.
 pub(super) fn is_all_over(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
     /// Fewer faces are looked at one by one.
     const LEAST: usize = 20_000;
+    mesh.face_count() >= LEAST && is_everywhere(mesh, worker)
+}
+
+/// True where nearly all windows are noisy, as faces here and there tell.
+pub(super) fn is_everywhere(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
     /// Faces of a first and a second look, and how many of them must be doubtful.
     const LOOKS: [(usize, f64); 2] = [(64, 0.9), (1024, 0.95)];
-    mesh.face_count() >= LEAST
-        && LOOKS.into_iter().all(|(count, least)| {
-            let faces = (0..mesh.face_count()).step_by(mesh.face_count() / count).map(|f| f as u32);
-            let (mut fitted, mut doubtful) = (0, 0);
-            for f in faces.filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound) {
-                let mut value = FaceCurvature::NOT_ESTIMATED;
-                let quality = worker.first_of(Face(f), &mut value);
-                fitted += usize::from(value.method == Method::Fit);
-                doubtful += usize::from(is_doubtful((&value, &quality)));
-            }
-            fitted > count / 2 && doubtful as f64 > least * fitted as f64
-        })
+    LOOKS.into_iter().all(|(count, least)| {
+        let faces = (0..mesh.face_count()).step_by((mesh.face_count() / count).max(1)).map(|f| f as u32);
+        let (mut fitted, mut doubtful) = (0, 0);
+        for f in faces.filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound) {
+            let mut value = FaceCurvature::NOT_ESTIMATED;
+            let quality = worker.first_of(Face(f), &mut value);
+            fitted += usize::from(value.method == Method::Fit);
+            doubtful += usize::from(is_doubtful((&value, &quality)));
+        }
+        fitted > count / 2 && doubtful as f64 > least * fitted as f64
+    })
 }
 
 /// The values of all faces of a surface that is noisy all over.

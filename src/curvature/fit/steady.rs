@@ -15,8 +15,11 @@ use crate::mesh::Face;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Least number of vertices in a window of given radius, where the patch has them.
+/// Least number of vertices in a window of given radius.
 const LEAST: usize = 16;
+/// Radii from a face's middle to the nearest of its corners, at most: windows of facets as long as that have vertices
+/// at their ends only.
+const LARGEST: f64 = 0.36;
 /// How far rounding may tilt the plane of a face that says whether its window is flat.
 const STEEPEST: f64 = 1e-4;
 
@@ -127,14 +130,22 @@ impl<'g> Steady<'g> {
     }
 
     /// Surfaces through all vertices within a radius of the barycentres of up to four faces; exactly flat where they all
-    /// lie in a face's plane, as well as rounded coordinates tell.
+    /// lie in a face's plane, as well as rounded coordinates tell. `None` where the radius holds too few vertices, or those
+    /// there are do not tell how the surface bends.
     pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<Fitted>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {
             let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
             let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
+            let is_near = |corner: DVec3| corner.distance(centre) <= LARGEST * radius;
+            if !mesh.triangle(face).into_iter().any(is_near) {
+                return None;
+            }
             sampler.start(face);
             let frame = sampler.take_within(centre, radius, LEAST)?;
+            if frame.unit > radius {
+                return None;
+            }
             // The rounding of the face's corners tilts its plane, more at a distance; that of needles says nothing.
             let reach = 4.0 * quantum.around(centre, frame.unit) * (1.0 + frame.unit / mesh.least_height(face))
                 + 1e-14 * frame.unit;
@@ -145,7 +156,7 @@ impl<'g> Steady<'g> {
                 flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, coverage: 0.0 });
                 return None;
             }
-            Some(Taken { frame, centre, degree: 4 })
+            (sampler.points.len() >= LEAST).then_some(Taken { frame, centre, degree: 4 })
         });
         std::array::from_fn(|lane| {
             let coverage = || self.samplers[lane].coverage();
@@ -188,7 +199,7 @@ impl<'g> Steady<'g> {
         let fits = chords.fit(abreast, 2, degrees, 1);
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
-            let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane))?;
+            let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane) && fits.is_firm(lane))?;
             let (surface, noise, error) = fits.mean(lane, frame);
             Some(Fitted { surface, centre, noise, error, coverage: f64::NAN })
         })
