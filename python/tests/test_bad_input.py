@@ -68,7 +68,7 @@ def test_arrays_that_are_no_mesh(vertices: Any, faces: Any, error: type[Exceptio
         ({"attributes": []}, osculate.UsageError, "attributes is an empty list"),
         ({"threads": 0}, osculate.UsageError, "give a number from 1 to 1024"),
         ({"progress": 3}, osculate.UsageTypeError, "progress must be True, None or a callable"),
-        ({"radius": 1e9}, osculate.UsageError, "the radius 1000000000 is larger than the mesh"),
+        ({"radius": 1e9}, osculate.UsageError, "the radius 1.0000e9 is larger than the mesh"),
     ],
 )
 def test_settings_out_of_range(ring: Arrays, settings: dict[str, Any], error: type[Exception], words: str) -> None:

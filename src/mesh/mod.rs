@@ -23,7 +23,6 @@ pub use topology::{Across, Topology};
 use crate::error::Error;
 use crate::place::Place;
 use crate::soup::{Group, Positions, Scene, Soup};
-use crate::wording::counted;
 use edges::Dihedral;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -161,10 +160,7 @@ impl Mesh {
         if !states.contains(&FaceState::Sound) {
             let remedy = if merged_by_distance > 0 { "; try a smaller weld distance" } else { "" };
             let finite = if non_finite_faces > 0 { " and finite coordinates" } else { "" };
-            return Err(Error::EmptyMesh(format!(
-                "none of the {} has an area{finite}{remedy}",
-                counted(count, "face")
-            )));
+            return Err(Error::EmptyMesh(format!("none of the {count} faces has an area{finite}{remedy}")));
         }
         let mut sides = [0; 4];
         for (three, _) in kinds.as_chunks::<3>().0.iter().zip(&left_out).filter(|(_, left_out)| !**left_out) {

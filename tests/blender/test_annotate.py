@@ -282,7 +282,7 @@ class Refusals(Fresh):
         select(nowhere, good)
         result, said = call(bpy.ops.osculate.annotate)
         self.assertEqual(result, {"FINISHED"}, said)
-        self.assertIn("\"nowhere\": none of the 1 face has an area and finite coordinates", said)
+        self.assertIn("\"nowhere\": none of the 1 faces has an area and finite coordinates", said)
         self.assertNotIn("_CURVATURE_MEAN", nowhere.data.attributes)
         self.assertIn("_CURVATURE_MEAN", good.data.attributes)
 
