@@ -73,20 +73,19 @@ impl ChordFitter {
         factor
     }
 
-    /// The models of the lowest degree asked for and higher, up to one of `N` terms; lower ones where samples carry no more.
+    /// The models of the degrees asked for and of the highest of each lane, `most` with its `N` terms among them.
     #[inline(always)]
     fn models<const N: usize>(
         &mut self,
         abreast: &Abreast,
-        lowest: usize,
+        asked: &[usize],
         highest: [usize; LANES],
         most: usize,
     ) -> [Model; 5] {
         let factor = self.factor::<N>(abreast, most);
         let mut models = [Model::ZERO; 5];
         for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(2) {
-            let is_asked_for = degree >= lowest || highest.contains(&degree);
-            if !is_asked_for {
+            if !asked.contains(&degree) && !highest.contains(&degree) {
                 continue;
             }
             let size = terms(degree);
@@ -106,7 +105,7 @@ impl Model {
 struct FitLanes<'f> {
     fitter: &'f mut ChordFitter,
     abreast: &'f mut Abreast,
-    lowest: usize,
+    asked: &'f [usize],
     degrees: [usize; LANES],
     rounds: usize,
 }
@@ -116,7 +115,7 @@ impl Kernel for FitLanes<'_> {
 
     #[inline(always)]
     fn run(self) -> ChordFits {
-        let FitLanes { fitter, abreast, lowest, degrees, rounds } = self;
+        let FitLanes { fitter, abreast, asked, degrees, rounds } = self;
         let counts = abreast.counts;
         let carried = counts.map(|count| (2..=4).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
         for _ in 0..rounds {
@@ -126,9 +125,9 @@ impl Kernel for FitLanes<'_> {
         }
         let highest: [usize; LANES] = std::array::from_fn(|lane| carried[lane].min(degrees[lane]));
         let models = match highest.into_iter().max() {
-            Some(4) => fitter.models::<{ terms(4) }>(abreast, lowest, highest, 4),
-            Some(3) => fitter.models::<{ terms(3) }>(abreast, lowest, highest, 3),
-            _ => fitter.models::<{ terms(2) }>(abreast, lowest, highest, 2),
+            Some(4) => fitter.models::<{ terms(4) }>(abreast, asked, highest, 4),
+            Some(3) => fitter.models::<{ terms(3) }>(abreast, asked, highest, 3),
+            _ => fitter.models::<{ terms(2) }>(abreast, asked, highest, 2),
         };
         ChordFits { models, highest, counts }
     }
@@ -139,17 +138,17 @@ impl ChordFitter {
         ChordFitter { samples: Samples::default() }
     }
 
-    /// Fits polynomials, in each lane from the lowest up to a degree, to samples around the origins of their frames, none of
-    /// them further from it than about a unit; before that, `rounds` times, a cubic that says how the frame is to be moved
-    /// and tilted.
+    /// Fits polynomials to samples around the origins of their frames, none of them further from it than about a unit: of the
+    /// degrees `asked` for and, in each lane, of the highest that is wanted and that the samples carry. Before that,
+    /// `rounds` times, a cubic says how the frame is to be moved and tilted.
     pub(super) fn fit(
         &mut self,
         abreast: &mut Abreast,
-        lowest: usize,
+        asked: &[usize],
         degrees: [usize; LANES],
         rounds: usize,
     ) -> ChordFits {
-        run(FitLanes { fitter: self, abreast, lowest, degrees, rounds })
+        run(FitLanes { fitter: self, abreast, asked, degrees, rounds })
     }
 }
 
@@ -162,7 +161,8 @@ impl ChordFits {
     /// True where a lane's samples determine a paraboloid, if it was asked for: those on two rims, as of a cylinder's long
     /// facets, do not.
     pub(super) fn is_firm(&self, lane: usize) -> bool {
-        /// Variance of the tensor, in units of the frame, times the number of samples; about 300 for a disk of them.
+        /// Variance of the tensor, in units of the frame, times the number of samples: about 700 for a disk of them, 5,000
+        /// for some beside sharp edges and on scans, and 1e13 on two rims.
         const MOST: f64 = 10_000.0;
         self.models[2].variance.0[lane] * self.counts[lane] as f64 <= MOST
     }
@@ -385,7 +385,7 @@ mod tests {
             Frame { origin: DVec3::new(0.0, 0.0, 0.1), axes, unit: 2.5 },
             samples.iter().map(|&p| (p, 1.0)),
         );
-        let fits = ChordFitter::new().fit(&mut abreast, 3, [4; LANES], 6);
+        let fits = ChordFitter::new().fit(&mut abreast, &[3], [4; LANES], 6);
         let frame = abreast.frame(2).expect("a frame");
         assert!(fits.highest(2) == 4 && !fits.is_carried(1));
         for degree in [3, 4] {

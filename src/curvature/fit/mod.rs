@@ -143,7 +143,8 @@ fn within(
             let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
             for four in wanted.chunks(LANES) {
                 for ((face, _), fitted) in four.iter().zip(steady.within(four, &quantum)) {
-                    values[face.index() - start] = fitted.and_then(|fitted| Some((fitted.value()?, fitted.coverage)));
+                    values[face.index() - start] =
+                        fitted.and_then(|(fitted, coverage)| Some((fitted.value()?, coverage)));
                 }
             }
             work.advance(values.len() as u64);

@@ -111,7 +111,7 @@ impl<'g> Prober<'g> {
             if !probes.iter().any(|probe| probe.goes_on) {
                 break;
             }
-            let fits = self.chords.fit(&mut self.abreast, 3, [4; LANES], if level == 0 { 2 } else { 0 });
+            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [4; LANES], if level == 0 { 2 } else { 0 });
             let (mut deviations, mut frames) = ([0.0; LANES], [None; LANES]);
             for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
                 frames[lane] = self.abreast.frame(lane).filter(|_| fits.is_carried(lane));
@@ -164,7 +164,7 @@ impl<'g> Prober<'g> {
                 self.samplers[lane].start(choice.seed);
                 self.load(lane, mesh.barycentre(choice.seed), LEVELS[choice.level], choice.frame);
             }
-            let fits = self.chords.fit(&mut self.abreast, 3, [4; LANES], 1);
+            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [4; LANES], 1);
             let noise = |lane: usize| four.get(lane).map_or(0.0, |&i| chosen[i].noise);
             let has_cyclide = four.iter().any(|&i| chosen[i].model == POLYNOMIALS);
             let cyclides = has_cyclide.then(|| self.cyclides.fit(&self.abreast, F4(std::array::from_fn(noise))));

@@ -55,7 +55,7 @@ fn number(place: DVec3) -> u64 {
 
 /// At most `count` faces that lie all over the surface, at much the same places however it is meshed.
 pub(super) fn scattered(ground: &Ground<'_>, count: usize) -> Vec<Face> {
-    /// A grid of so many cells along the mesh has some ten thousand on the surface.
+    /// A grid of so many cells along the mesh has ten to twenty thousand on the surface.
     const CELLS: f64 = 128.0;
     let draw = Draw::from_cells(ground, CELLS, 1.0 / 64.0);
     let sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;

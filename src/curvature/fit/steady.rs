@@ -49,8 +49,8 @@ pub(super) struct Fitted {
     pub(super) noise: f64,
     /// Expected error of the shape tensor at the centre, 1/length.
     pub(super) error: f64,
-    /// The share of its vertices that lie neither on a border nor on a sharp edge.
-    pub(super) coverage: f64,
+    /// Whether its vertices determine how the surface bends.
+    is_firm: bool,
 }
 
 impl Fitted {
@@ -130,9 +130,9 @@ impl<'g> Steady<'g> {
     }
 
     /// Surfaces through all vertices within a radius of the barycentres of up to four faces; exactly flat where they all
-    /// lie in a face's plane, as well as rounded coordinates tell. `None` where the radius holds too few vertices, or those
-    /// there are do not tell how the surface bends.
-    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<Fitted>; LANES] {
+    /// lie in a face's plane, as well as rounded coordinates tell. With the coverages of the windows. `None` where the
+    /// radius holds too few vertices, or those there are do not tell how the surface bends.
+    pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<(Fitted, f64)>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {
             let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
@@ -153,14 +153,14 @@ impl<'g> Steady<'g> {
             if reach < STEEPEST * frame.unit && sampler.points.iter().all(is_plane) {
                 let surface = Chord::plane(Frame::upright(centre, normal, frame.unit)?);
                 let error = reach / frame.unit.powi(2);
-                flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, coverage: 0.0 });
+                flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, is_firm: true });
                 return None;
             }
             (sampler.points.len() >= LEAST).then_some(Taken { frame, centre, degree: 4 })
         });
         std::array::from_fn(|lane| {
-            let coverage = || self.samplers[lane].coverage();
-            flat[lane].or(fitted[lane]).map(|fitted| Fitted { coverage: coverage(), ..fitted })
+            let found = flat[lane].or(fitted[lane]).filter(|fitted| fitted.is_firm)?;
+            Some((found, self.samplers[lane].coverage()))
         })
     }
 
@@ -170,7 +170,7 @@ impl<'g> Steady<'g> {
     }
 
     /// Chord fits with weights that fall towards the rims, of the highest degrees up to those wanted that the samples
-    /// carry several times over. Coverage is left open.
+    /// carry several times over.
     fn fit(
         &mut self,
         count: usize,
@@ -196,12 +196,12 @@ impl<'g> Steady<'g> {
         if taken.iter().all(Option::is_none) {
             return [None; LANES];
         }
-        let fits = chords.fit(abreast, 2, degrees, 1);
+        let fits = chords.fit(abreast, &[2], degrees, 1);
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
-            let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane) && fits.is_firm(lane))?;
+            let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane))?;
             let (surface, noise, error) = fits.mean(lane, frame);
-            Some(Fitted { surface, centre, noise, error, coverage: f64::NAN })
+            Some(Fitted { surface, centre, noise, error, is_firm: fits.is_firm(lane) })
         })
     }
 }
