@@ -135,40 +135,71 @@ impl Mesh {
         places.into_par_iter().map(face).collect()
     }
 
-    /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way to
-    /// the vertex farthest from there, the way to the vertex farthest from that line, and four times the mean distance
-    /// (root of the mean square), which a lone far vertex changes little.
+    /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way from there
+    /// to where most that is far away lies, the same across that way, and four times the mean distance (root of the mean
+    /// square), which a lone far vertex changes little. Noise of the vertices hardly turns it, unless the shape is alike on
+    /// opposite sides: then the farthest vertex says where.
     pub(crate) fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
         // In chunks, so that sums do not depend on the threads.
-        let chunks = || self.positions.par_chunks(1 << 14);
-        let sums: Vec<(DVec3, usize)> = chunks()
-            .map(|chunk| {
-                let finite = chunk.iter().filter(|p| p.is_finite());
-                finite.fold((DVec3::ZERO, 0), |(sum, count), p| (sum + p, count + 1))
-            })
-            .collect();
+        let chunks = || self.positions.par_chunks(1 << 14).map(|chunk| chunk.iter().filter(|p| p.is_finite()));
+        let sums: Vec<(DVec3, usize)> =
+            chunks().map(|chunk| chunk.fold((DVec3::ZERO, 0), |(sum, count), p| (sum + p, count + 1))).collect();
         let (sum, count) = sums.into_iter().fold((DVec3::ZERO, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         let centre = sum / count as f64;
-        let farthest = |from: &(dyn Fn(DVec3) -> DVec3 + Sync)| {
-            // Among equals not the first in the file.
-            let further = |a: (f64, DVec3), b: (f64, DVec3)| {
-                if a.0 < b.0 || a.0 == b.0 && by_coordinates(a.1, b.1).is_lt() { b } else { a }
-            };
-            let of_chunk = |chunk: &[DVec3]| {
-                let all = chunk.iter().map(|&p| (from(p - centre).length_squared(), p));
-                all.filter(|far| far.0.is_finite()).reduce(further)
-            };
-            chunks().filter_map(of_chunk).reduce_with(further)
-        };
-        let (_, end) = farthest(&|d| d)?;
-        let x = (end - centre).try_normalize()?;
-        let (_, side) = farthest(&|d| d.reject_from_normalized(x))?;
-        let y = (side - centre).reject_from_normalized(x).try_normalize().unwrap_or(x.any_orthonormal_vector());
-        let squares: Vec<f64> = chunks()
-            .map(|chunk| chunk.iter().filter(|p| p.is_finite()).map(|p| p.distance_squared(centre)).sum())
-            .collect();
+        let squares: Vec<f64> = chunks().map(|chunk| chunk.map(|p| p.distance_squared(centre)).sum()).collect();
         let size = 4.0 * (squares.into_iter().sum::<f64>() / count as f64).sqrt();
-        (size > 0.0 && size.is_finite()).then(|| (centre, DMat3::from_cols(x, y, x.cross(y)), size))
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let far = |from: &(dyn Fn(DVec3) -> DVec3 + Sync)| {
+            let ways: Vec<Far> = chunks()
+                .map(|chunk| chunk.fold(Far::NONE, |far, &p| far.or(Far::of(p, from((p - centre) / size)))))
+                .collect();
+            ways.into_iter().fold(Far::NONE, Far::or).way()
+        };
+        let x = far(&|d| d).try_normalize()?;
+        let across = |d: DVec3| d.reject_from_normalized(x);
+        let y = across(far(&across)).try_normalize().unwrap_or(x.any_orthonormal_vector());
+        Some((centre, DMat3::from_cols(x, y, x.cross(y)), size))
+    }
+}
+
+/// Which way vertices lie that are far from something.
+#[derive(Clone, Copy)]
+struct Far {
+    /// The square of the farthest one's distance, the vertex, and the way to it.
+    farthest: (f64, DVec3, DVec3),
+    /// The sum of the ways, by the sixth power of the distances.
+    sum: DVec3,
+    /// That of their lengths.
+    lengths: f64,
+}
+
+impl Far {
+    const NONE: Far = Far { farthest: (-1.0, DVec3::ZERO, DVec3::ZERO), sum: DVec3::ZERO, lengths: 0.0 };
+
+    fn of(vertex: DVec3, way: DVec3) -> Self {
+        let square = way.length_squared();
+        let weight = square * square * square;
+        Far { farthest: (square, vertex, way), sum: way * weight, lengths: square.sqrt() * weight }
+    }
+
+    /// Of both.
+    fn or(self, other: Far) -> Far {
+        let (a, b) = (self.farthest, other.farthest);
+        // Among equals not the first in the file.
+        let is_further = a.0 < b.0 || a.0 == b.0 && by_coordinates(a.1, b.1).is_lt();
+        Far {
+            farthest: if is_further { b } else { a },
+            sum: self.sum + other.sum,
+            lengths: self.lengths + other.lengths,
+        }
+    }
+
+    fn way(&self) -> DVec3 {
+        /// What is less may be by chance, on shapes that are alike on opposite sides.
+        const LEAST: f64 = 1e-3;
+        if self.sum.length() >= LEAST * self.lengths { self.sum } else { self.farthest.2 }
     }
 }
 
@@ -230,6 +261,24 @@ mod tests {
         for bit in 0..FINE {
             assert_eq!(spread(1 << bit), 1 << (3 * bit));
         }
+    }
+
+    /// Vertices that are nearly equally far take turns in being the farthest: that turns nothing.
+    #[test]
+    fn noise_hardly_turns_the_own_frame() {
+        let egg = |noise: f64| {
+            let vertex = |i: u32| {
+                let (t, z) = (f64::from(i) * 2.4, f64::from(i) / 500.0 - 1.0);
+                let round = (1.0 - z * z).sqrt() * (1.0 + 0.2 * z) * (1.0 + 0.1 * t.cos());
+                let of = |j: u32| (f64::from(3 * i + j) * 12.9898).sin() * noise;
+                [1.5 * z + 0.2 * z * z + of(0), round * t.cos() + of(1), round * t.sin() + of(2)]
+            };
+            let triangles = (0..998).map(|i| [i, i + 1, i + 2]).collect();
+            let soup = Soup::new(Positions::F64((0..1000).map(vertex).collect()), triangles);
+            Mesh::from_soup(&soup, &MeshOptions::default()).expect("a mesh").own_frame().expect("a frame").1
+        };
+        let (clean, noisy) = (egg(0.0), egg(0.02));
+        assert!(clean.col(0).dot(noisy.col(0)) > 0.999 && clean.col(1).dot(noisy.col(1)) > 0.99, "{clean} {noisy}");
     }
 
     /// A vertex far away makes all others share a few cells.

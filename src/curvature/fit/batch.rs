@@ -82,7 +82,7 @@ impl Batch {
                 false => ground.normals[v as usize].as_dvec3(),
             };
             self.gathered.normals.clear();
-            self.gathered.normals.extend(self.gathered.rings.vertices.iter().map(normal));
+            self.gathered.normals.extend(self.gathered.rings.vertices().iter().map(normal));
             // Beyond them, not all faces of a vertex belong to the window.
             self.uprights.set(self.seeds.len(), self.gathered.normals[..self.gathered.rings.inner].iter().sum());
         } else {
@@ -91,7 +91,7 @@ impl Batch {
             window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
             window.add_normals(ground.mesh, &mut self.gathered.normals);
             self.uprights.set(self.seeds.len(), self.gathered.normals.iter().sum());
-            self.gathered.rings.vertices.clone_from(&window.vertices);
+            self.gathered.rings.take(&window.vertices);
         }
         self.place(ground, seed);
     }
@@ -102,7 +102,7 @@ impl Batch {
             return 1.0;
         }
         let vertices = match self.gathered.rings(ground, seed) {
-            true => &self.gathered.rings.vertices,
+            true => self.gathered.rings.vertices(),
             false => {
                 self.window.start(ground.mesh, seed);
                 self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
@@ -140,11 +140,11 @@ impl Batch {
 
     fn place(&mut self, ground: &Ground<'_>, seed: Face) {
         let lane = self.seeds.len();
-        let count = self.gathered.rings.vertices.len();
+        let count = self.gathered.rings.vertices().len();
         self.make_room(count);
         let (positions, centre) = (ground.mesh.positions(), ground.mesh.barycentre(seed));
         let (mut inside, mut least) = (0, Mark::Deep);
-        for (i, (&v, &normal)) in self.gathered.rings.vertices.iter().zip(&self.gathered.normals).enumerate() {
+        for (i, (&v, &normal)) in self.gathered.rings.vertices().iter().zip(&self.gathered.normals).enumerate() {
             self.points[i].set(lane, positions[v as usize] - centre);
             self.normals[i].set(lane, normal);
             inside += usize::from(ground.stars.is_inside(v));
@@ -176,7 +176,7 @@ impl Gathered {
     /// another for that.
     fn rings(&mut self, ground: &Ground<'_>, seed: Face) -> bool {
         self.rings.start(ground.mesh.topology().corners(seed).map(|v| v.0));
-        while self.rings.vertices.len() < WANTED && !self.rings.is_exhausted() {
+        while self.rings.vertices().len() < WANTED && !self.rings.is_exhausted() {
             if !self.rings.grow(ground) {
                 return false;
             }

@@ -4,6 +4,7 @@
 //! never has to look at an edge.
 
 use super::ground::{Ground, sound_normals};
+use super::sites::Sites;
 use super::stars::{CROWDED, Lists, half_edges};
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Vertex};
 use glam::{DMat3, DVec3, Vec3};
@@ -15,6 +16,8 @@ pub(super) struct Fans<'g> {
     /// Each sound face, listed at the fan of its least corner, by coordinates in the mesh's own frame, so that it does not
     /// matter which corner a file names first.
     faces: Lists,
+    /// No face listed at a fan has its middle further from it.
+    spans: Vec<f32>,
     /// None where no vertex is divided.
     split: Option<Split>,
     /// Directions of the normals.
@@ -55,13 +58,16 @@ impl<'g> Fans<'g> {
         let least: Vec<u32> = (0..corners.len() as u32).into_par_iter().map(least).collect();
         let sound = || (0..corners.len() as u32).filter(is_sound).map(|f| (least[f as usize], f));
         let faces = Lists::of_pairs(fans, sound);
+        let vertex = |fan: u32| split.as_ref().map_or(fan, |split| split.vertex(fan));
+        let span = |fan: u32| {
+            let at = ground.position(vertex(fan));
+            let away = |&f: &u32| ground.mesh.barycentre(Face(f)).distance(at);
+            (faces.of(fan).iter().map(away).fold(0.0, f64::max) as f32).next_up()
+        };
+        let spans = (0..fans as u32).into_par_iter().map(span).collect();
         let normals = split.as_ref().map_or(&ground.normals, |split| &split.normals);
         let directions = normals.par_iter().map(|normal| normal.normalize_or_zero()).collect();
-        Fans { ground, faces, split, directions }
-    }
-
-    pub(super) fn count(&self) -> usize {
-        self.ground.mesh.positions().len() + self.split.as_ref().map_or(0, |split| split.vertices.len())
+        Fans { ground, faces, spans, split, directions }
     }
 
     /// The fans at the corners of a face.
@@ -72,34 +78,7 @@ impl<'g> Fans<'g> {
 
     #[inline]
     pub(super) fn vertex(&self, fan: u32) -> u32 {
-        let count = self.ground.mesh.positions().len();
-        match &self.split {
-            Some(split) if fan as usize >= count => split.vertices[fan as usize - count],
-            _ => fan,
-        }
-    }
-
-    #[inline]
-    pub(super) fn position(&self, fan: u32) -> DVec3 {
-        self.ground.position(self.vertex(fan))
-    }
-
-    /// The fans that share an edge with a fan; some of them may be named twice.
-    #[inline]
-    pub(super) fn neighbours(&self, fan: u32) -> &[u32] {
-        self.split.as_ref().map_or_else(|| self.ground.stars.neighbours(fan), |split| split.neighbours.of(fan))
-    }
-
-    /// The normal of a fan, as long as its faces are wide against the mesh.
-    #[inline]
-    pub(super) fn normal(&self, fan: u32) -> Vec3 {
-        self.split.as_ref().map_or(&self.ground.normals, |split| &split.normals)[fan as usize]
-    }
-
-    /// The direction of a fan's normal; zero where it has none.
-    #[inline]
-    pub(super) fn direction(&self, fan: u32) -> Vec3 {
-        self.directions[fan as usize]
+        self.split.as_ref().map_or(fan, |split| split.vertex(fan))
     }
 
     /// Faces of a fan: each sound face of the mesh is named by just one.
@@ -108,10 +87,11 @@ impl<'g> Fans<'g> {
         self.faces.of(fan)
     }
 
-    /// True where the vertex of a fan has other fans.
+    /// False where no face of a fan can have its middle within a distance of a point.
     #[inline]
-    pub(super) fn is_shared(&self, fan: u32) -> bool {
-        self.split.as_ref().is_some_and(|split| split.others[self.vertex(fan) as usize] != NONE)
+    pub(super) fn may_have_faces_within(&self, fan: u32, centre: DVec3, distance: f64) -> bool {
+        let most = distance + f64::from(self.spans[fan as usize]);
+        self.position(fan).distance_squared(centre) <= most * most
     }
 
     /// All fans of a vertex.
@@ -126,7 +106,69 @@ impl<'g> Fans<'g> {
     }
 }
 
+impl Sites for Fans<'_> {
+    const LEAST: usize = 16;
+
+    fn fans(&self) -> &Fans<'_> {
+        self
+    }
+
+    fn count(&self) -> usize {
+        self.ground.mesh.positions().len() + self.split.as_ref().map_or(0, |split| split.vertices.len())
+    }
+
+    #[inline]
+    fn of_fan(&self, fan: u32) -> u32 {
+        fan
+    }
+
+    #[inline]
+    fn position(&self, fan: u32) -> DVec3 {
+        self.ground.position(self.vertex(fan))
+    }
+
+    /// As long as its faces are wide against the mesh.
+    #[inline]
+    fn normal(&self, fan: u32) -> Vec3 {
+        self.split.as_ref().map_or(&self.ground.normals, |split| &split.normals)[fan as usize]
+    }
+
+    #[inline]
+    fn direction(&self, fan: u32) -> Vec3 {
+        self.directions[fan as usize]
+    }
+
+    #[inline]
+    fn neighbours(&self, fan: u32) -> &[u32] {
+        self.split.as_ref().map_or_else(|| self.ground.stars.neighbours(fan), |split| split.neighbours.of(fan))
+    }
+
+    #[inline]
+    fn weight(&self, _: u32) -> f64 {
+        1.0
+    }
+
+    #[inline]
+    fn shared_vertex(&self, fan: u32) -> Option<u32> {
+        let split = self.split.as_ref()?;
+        let vertex = split.vertex(fan);
+        (split.others[vertex as usize] != NONE).then_some(vertex)
+    }
+
+    fn coverage(&self, fans: &[u32]) -> f64 {
+        self.ground.stars.coverage(fans.iter().map(|&fan| self.vertex(fan)))
+    }
+}
+
 impl Split {
+    #[inline]
+    fn vertex(&self, fan: u32) -> u32 {
+        match (fan as usize).checked_sub(self.others.len()) {
+            Some(i) => self.vertices[i],
+            None => fan,
+        }
+    }
+
     fn new(ground: &Ground<'_>, divided: &[u32]) -> Self {
         let mesh = ground.mesh;
         let mut corners = mesh.topology().faces().to_vec();
@@ -268,7 +310,7 @@ mod tests {
         // Three sides meet at each corner; a fan's normal is that of its side.
         for v in 0..8 {
             assert_eq!(fans.of(v).count(), 3);
-            assert!(fans.of(v).all(|fan| fans.vertex(fan) == v && fans.is_shared(fan)));
+            assert!(fans.of(v).all(|fan| fans.vertex(fan) == v && fans.shared_vertex(fan) == Some(v)));
         }
         for f in (0..12).map(Face) {
             let along = |fan: u32| fans.normal(fan).as_dvec3().normalize().dot(mesh.normal(f));
@@ -283,7 +325,7 @@ mod tests {
         let whole = Ground::new(&mesh, true, &work);
         let fans = Fans::new(&whole);
         assert_eq!(parts(&fans), [(0..12).collect::<Vec<u32>>()]);
-        assert!((0..8).all(|v| fans.of(v).eq([v]) && !fans.is_shared(v)));
+        assert!((0..8).all(|v| fans.of(v).eq([v]) && fans.shared_vertex(v).is_none()));
     }
 
     #[test]

@@ -14,6 +14,7 @@
 mod abreast;
 mod batch;
 mod blocks;
+mod cells;
 mod choice;
 mod chord;
 mod cyclide;
@@ -46,6 +47,7 @@ mod scale;
 mod seeds;
 mod shape;
 mod shared;
+mod sites;
 mod stars;
 mod steady;
 mod strips;

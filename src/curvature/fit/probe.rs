@@ -72,7 +72,7 @@ pub(super) struct Choice {
 
 /// Fits windows around four seeds at a time; one per thread.
 pub(super) struct Prober<'g> {
-    samplers: [Sampler<'g>; LANES],
+    samplers: [Sampler<'g, Fans<'g>>; LANES],
     abreast: Abreast,
     chords: ChordFitter,
     cyclides: CyclideFitter,
@@ -100,7 +100,7 @@ impl<'g> Prober<'g> {
 
     /// Adds levels to up to four probes; `seed_of` has the numbers of the faces that are seeds.
     pub(super) fn probe(&mut self, probes: &mut [&mut Probe], levels: Range<usize>, seed_of: &[u32]) {
-        let mesh = self.samplers[0].fans.ground.mesh;
+        let mesh = self.samplers[0].ground().mesh;
         let centres: Vec<DVec3> = probes.iter().map(|probe| mesh.barycentre(probe.seed)).collect();
         self.samplers.iter_mut().zip(&*probes).for_each(|(sampler, probe)| sampler.start(probe.seed));
         for level in levels {
@@ -153,7 +153,7 @@ impl<'g> Prober<'g> {
 
     /// The patches that are chosen, and which of the `wanted` faces they reach.
     pub(super) fn patches(&mut self, chosen: &[Choice], wanted: &[bool]) -> Vec<Patch> {
-        let mesh = self.samplers[0].fans.ground.mesh;
+        let mesh = self.samplers[0].ground().mesh;
         let mut order: Vec<usize> = (0..chosen.len()).collect();
         // Windows of one size side by side.
         order.sort_by_key(|&i| (chosen[i].level, chosen[i].model));
@@ -215,8 +215,8 @@ pub(super) fn unexplained(misfit: f64, noise: f64, level: usize, chance: f64) ->
 }
 
 /// The nearest seeds among the faces a sampler has gathered, at most 16.
-fn seeds_within(sampler: &Sampler<'_>, seed_of: &[u32], centre: DVec3, reach: f64) -> Vec<u32> {
-    let mesh = sampler.fans.ground.mesh;
+fn seeds_within(sampler: &Sampler<'_, Fans<'_>>, seed_of: &[u32], centre: DVec3, reach: f64) -> Vec<u32> {
+    let mesh = sampler.ground().mesh;
     let mut near: Vec<(f64, u32)> = sampler
         .faces_within(centre, reach)
         .filter(|&f| seed_of[f as usize] != u32::MAX)

@@ -4,7 +4,9 @@ use super::ground::Ground;
 
 /// Vertices in whole rings around a start. Reused from place to place.
 pub(super) struct Rings {
-    pub(super) vertices: Vec<u32>,
+    /// With room behind the vertices, so that it need not be cleared for every one of them.
+    room: Vec<u32>,
+    count: usize,
     /// Vertices before this place have all their neighbours among the vertices.
     pub(super) inner: usize,
     seen: Seen,
@@ -13,24 +15,47 @@ pub(super) struct Rings {
 impl Rings {
     /// For so many vertices or fans.
     pub(super) fn new(count: usize) -> Self {
-        Rings { vertices: Vec::new(), inner: 0, seen: Seen::new(count) }
+        Rings { room: Vec::new(), count: 0, inner: 0, seen: Seen::new(count) }
     }
 
     pub(super) fn start(&mut self, vertices: impl IntoIterator<Item = u32>) {
-        self.vertices.clear();
+        self.count = 0;
         self.inner = 0;
         self.seen.clear();
         for v in vertices {
             if self.seen.insert(v) {
-                self.vertices.push(v);
+                self.make_room(1);
+                self.room[self.count] = v;
+                self.count += 1;
             }
+        }
+    }
+
+    /// Takes vertices that were gathered elsewhere.
+    pub(super) fn take(&mut self, vertices: &[u32]) {
+        self.count = 0;
+        self.make_room(vertices.len());
+        self.room[..vertices.len()].copy_from_slice(vertices);
+        self.count = vertices.len();
+    }
+
+    #[inline]
+    pub(super) fn vertices(&self) -> &[u32] {
+        &self.room[..self.count]
+    }
+
+    #[inline]
+    fn make_room(&mut self, more: usize) {
+        let least = self.count + more;
+        if self.room.len() < least {
+            self.room.resize(2 * least, 0);
         }
     }
 
     /// True when the last ring added nothing: this is the whole patch.
     #[inline]
     pub(super) fn is_exhausted(&self) -> bool {
-        self.inner == self.vertices.len()
+        self.inner == self.count
     }
 
     /// Adds the neighbours of all vertices. False, and in an undefined state, where one fan of faces at a vertex would
@@ -44,20 +69,18 @@ impl Rings {
     /// none.
     #[inline]
     pub(super) fn grow_to<'n>(&mut self, neighbours: impl Fn(u32) -> Option<&'n [u32]>) -> bool {
-        let ring = self.inner..self.vertices.len();
+        let ring = self.inner..self.count;
         self.inner = ring.end;
         for at in ring {
-            let Some(neighbours) = neighbours(self.vertices[at]) else { return false };
+            let Some(neighbours) = neighbours(self.room[at]) else { return false };
+            self.make_room(neighbours.len());
+            let mut count = self.count;
             // Most have been seen, but which is hard to foretell: all are written down, and kept by counting.
-            let known = self.vertices.len();
-            self.vertices.resize(known + neighbours.len(), 0);
-            let room = &mut self.vertices[known..];
-            let mut count = 0;
             for &w in neighbours {
-                room[count] = w;
+                self.room[count] = w;
                 count += usize::from(self.seen.insert(w));
             }
-            self.vertices.truncate(known + count);
+            self.count = count;
         }
         true
     }

@@ -75,9 +75,10 @@ const TURN: f64 = 0.8;
 /// turns over a window of so many vertices. So windows are the wider the less it turns, and a scan of half as many faces
 /// gets windows of nearly the same width.
 pub(super) fn window(fans: &Fans<'_>) -> usize {
-    /// Smaller windows show the noise, larger ones cost more than they tell.
+    /// Smaller windows show the noise.
     const LEAST: f64 = 48.0;
-    const MOST: f64 = 400.0;
+    /// Where nothing turns, windows would have no end.
+    const MOST: f64 = 10_000.0;
     /// Places that are looked at.
     const LOOKS: usize = 5000;
     let turns: Vec<f64> = scattered(fans.ground, LOOKS)

@@ -2,20 +2,22 @@
 
 use super::fans::Fans;
 use super::frame::Frame;
+use super::ground::Ground;
 use super::rings::Rings;
+use super::sites::Sites;
 use crate::mesh::Face;
 use glam::{DVec3, Vec3};
 
 /// Gathers samples; reused from place to place.
-pub(super) struct Sampler<'g> {
-    pub(super) fans: &'g Fans<'g>,
+pub(super) struct Sampler<'g, S> {
+    sites: &'g S,
     rings: Rings,
     /// The side the samples face.
     facing: Vec3,
-    /// The fans that face it, as far as the rings reach, with the squares of their distances; the nearest first, as many
+    /// The sites that face it, as far as the rings reach, with the squares of their distances; the nearest first, as many
     /// as were taken last.
     order: Vec<(f64, u32)>,
-    /// Fans of the rings that have been looked at.
+    /// Sites of the rings that have been looked at.
     known: usize,
     /// What was taken last.
     pub(super) points: Vec<DVec3>,
@@ -23,11 +25,11 @@ pub(super) struct Sampler<'g> {
     pub(super) roots: Vec<f64>,
 }
 
-impl<'g> Sampler<'g> {
-    pub(super) fn new(fans: &'g Fans<'g>) -> Self {
+impl<'g, S: Sites> Sampler<'g, S> {
+    pub(super) fn new(sites: &'g S) -> Self {
         Sampler {
-            fans,
-            rings: Rings::new(fans.count()),
+            sites,
+            rings: Rings::new(sites.count()),
             facing: Vec3::ZERO,
             order: Vec::new(),
             known: 0,
@@ -36,19 +38,23 @@ impl<'g> Sampler<'g> {
         }
     }
 
+    pub(super) fn ground(&self) -> &'g Ground<'g> {
+        self.sites.fans().ground
+    }
+
     /// Begins anew at a face.
     pub(super) fn start(&mut self, seed: Face) {
-        self.begin(self.fans.corners(seed));
+        self.begin(self.sites.fans().corners(seed));
     }
 
     /// Begins anew at a vertex.
     pub(super) fn start_at(&mut self, vertex: u32) {
-        self.begin(self.fans.of(vertex));
+        self.begin(self.sites.fans().of(vertex));
     }
 
     fn begin(&mut self, fans: impl IntoIterator<Item = u32> + Clone) {
-        self.facing = fans.clone().into_iter().map(|fan| self.fans.normal(fan)).sum();
-        self.rings.start(fans);
+        self.facing = fans.clone().into_iter().map(|fan| self.sites.fans().normal(fan)).sum();
+        self.rings.start(fans.into_iter().map(|fan| self.sites.of_fan(fan)));
         self.order.clear();
         self.known = 0;
     }
@@ -68,63 +74,52 @@ impl<'g> Sampler<'g> {
         self.take(centre, |order| order.iter().filter(|n| n.0 <= square).count().max(least))
     }
 
-    /// The gathered faces whose barycentres and at least one corner lie within a distance of `centre`.
-    pub(super) fn faces_within(&self, centre: DVec3, radius: f64) -> impl Iterator<Item = u32> {
-        let square = radius * radius;
-        let mesh = self.fans.ground.mesh;
-        let is_within = move |f: &u32| {
-            let [a, b, c] = mesh.triangle(Face(*f));
-            let is_near = |p: DVec3| p.distance_squared(centre) <= square;
-            is_near((a + b + c) / 3.0) && (is_near(a) || is_near(b) || is_near(c))
-        };
-        self.rings.vertices.iter().flat_map(|&fan| self.fans.faces(fan)).copied().filter(is_within)
-    }
-
     /// Adds rings until there are `least` vertices, or no more.
     fn gather(&mut self, least: usize) {
-        while self.rings.vertices.len() < least && !self.rings.is_exhausted() {
-            self.rings.grow_to(|fan| Some(self.fans.neighbours(fan)));
+        while self.rings.vertices().len() < least && !self.rings.is_exhausted() {
+            self.rings.grow_to(|site| Some(self.sites.neighbours(site)));
         }
     }
 
     /// Adds rings until there are `least` vertices and the last ring has none within `radius` of `centre`.
     pub(super) fn gather_within(&mut self, centre: DVec3, radius: f64, least: usize) {
-        let near = |&fan: &u32| self.fans.position(fan).distance_squared(centre) <= radius * radius;
+        let near = |&site: &u32| self.sites.position(site).distance_squared(centre) <= radius * radius;
         while !self.rings.is_exhausted() {
-            let last = &self.rings.vertices[self.rings.inner..];
-            if self.rings.vertices.len() >= least && !last.iter().any(near) {
+            let last = &self.rings.vertices()[self.rings.inner..];
+            if self.rings.vertices().len() >= least && !last.iter().any(near) {
                 break;
             }
-            self.rings.grow_to(|fan| Some(self.fans.neighbours(fan)));
+            self.rings.grow_to(|site| Some(self.sites.neighbours(site)));
         }
     }
 
     fn take(&mut self, centre: DVec3, count: impl Fn(&[(f64, u32)]) -> usize) -> Option<Frame> {
-        let fans = self.fans;
-        for at in self.known..self.rings.vertices.len() {
-            let fan = self.rings.vertices[at];
-            if fans.normal(fan).dot(self.facing) <= 0.0 {
+        let sites = self.sites;
+        for &site in &self.rings.vertices()[self.known..] {
+            if sites.normal(site).dot(self.facing) <= 0.0 {
                 continue;
             }
-            let square = fans.position(fan).distance_squared(centre);
+            let square = sites.position(site).distance_squared(centre);
             // Each vertex once, whichever fan of it comes first.
-            let is_same = |&(other, of): &(f64, u32)| other == square && fans.vertex(of) == fans.vertex(fan);
-            if !(fans.is_shared(fan) && self.order.iter().any(is_same)) {
-                self.order.push((square, fan));
+            let vertex = sites.shared_vertex(site);
+            let is_same = |&(other, of): &(f64, u32)| other == square && sites.shared_vertex(of) == vertex;
+            if vertex.is_none() || !self.order.iter().any(is_same) {
+                self.order.push((square, site));
             }
         }
-        self.known = self.rings.vertices.len();
+        self.known = self.rings.vertices().len();
         let count = count(&self.order).min(self.order.len());
         if count < 8 {
             return None;
         }
-        let by_distance = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        let (_, farthest, _) = self.order.select_nth_unstable_by(count - 1, by_distance);
+        // Squares are not below zero: their bits are in the order of what they stand for.
+        let (_, farthest, _) =
+            self.order.select_nth_unstable_by_key(count - 1, |&(square, site)| (square.to_bits(), site));
         let radius = farthest.0.sqrt();
         let taken = &self.order[..count];
         self.points.clear();
-        self.points.extend(taken.iter().map(|&(_, fan)| fans.position(fan)));
-        let normal: Vec3 = taken.iter().map(|&(_, fan)| fans.normal(fan)).sum();
+        self.points.extend(taken.iter().map(|&(_, site)| sites.position(site)));
+        let normal: Vec3 = taken.iter().map(|&(_, site)| sites.normal(site)).sum();
         Frame::upright(centre, normal.as_dvec3(), radius)
     }
 
@@ -132,12 +127,12 @@ impl<'g> Sampler<'g> {
     pub(super) fn is_cut_off(&mut self, face: Face, least: usize) -> bool {
         self.start(face);
         self.gather(least);
-        self.rings.vertices.len() < least
+        self.rings.vertices().len() < least
     }
 
     /// The share of gathered vertices that lie neither on a border nor on a sharp edge.
     pub(super) fn coverage(&self) -> f64 {
-        self.fans.ground.stars.coverage(self.rings.vertices.iter().map(|&fan| self.fans.vertex(fan)))
+        self.sites.coverage(self.rings.vertices())
     }
 
     /// Sets weights for the samples taken last that fall towards the rim and for vertices that face aside, so
@@ -146,9 +141,24 @@ impl<'g> Sampler<'g> {
         let normal = frame.axes.z_axis.as_vec3();
         let square = frame.unit * frame.unit;
         self.roots.clear();
-        self.roots.extend(self.order[..self.points.len()].iter().map(|&(distance, fan)| {
-            let facing = f64::from(self.fans.direction(fan).dot(normal)).max(0.0);
-            ((1.0 - 0.999 * distance / square).max(0.0) * facing).sqrt()
+        self.roots.extend(self.order[..self.points.len()].iter().map(|&(distance, site)| {
+            let facing = f64::from(self.sites.direction(site).dot(normal)).max(0.0);
+            ((1.0 - 0.999 * distance / square).max(0.0) * facing * self.sites.weight(site)).sqrt()
         }));
+    }
+}
+
+impl<'g> Sampler<'g, Fans<'g>> {
+    /// The gathered faces whose barycentres and at least one corner lie within a distance of `centre`.
+    pub(super) fn faces_within(&self, centre: DVec3, radius: f64) -> impl Iterator<Item = u32> {
+        let square = radius * radius;
+        let (fans, mesh) = (self.sites, self.sites.ground.mesh);
+        let is_within = move |f: &u32| {
+            let [a, b, c] = mesh.triangle(Face(*f));
+            let is_near = |p: DVec3| p.distance_squared(centre) <= square;
+            is_near((a + b + c) / 3.0) && (is_near(a) || is_near(b) || is_near(c))
+        };
+        let near = self.rings.vertices().iter().filter(move |&&fan| fans.may_have_faces_within(fan, centre, radius));
+        near.flat_map(|&fan| fans.faces(fan)).copied().filter(is_within)
     }
 }

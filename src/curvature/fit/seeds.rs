@@ -5,9 +5,9 @@ use crate::mesh::{Face, FaceState};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Numbers for faces, drawn from the cells of a fine grid that moves, turns and grows with the mesh, so that neither the order
+/// Numbers for faces and vertices, drawn from the cells of a fine grid that moves, turns and grows with the mesh, so that neither the order
 /// of faces nor the place of the mesh plays a part.
-struct Draw<'g> {
+pub(super) struct Draw<'g> {
     ground: &'g Ground<'g>,
     centre: DVec3,
     /// From space to cells.
@@ -16,12 +16,17 @@ struct Draw<'g> {
 
 impl<'g> Draw<'g> {
     /// From cells of which many fit into a face.
-    fn new(ground: &'g Ground<'g>) -> Self {
+    pub(super) fn new(ground: &'g Ground<'g>) -> Self {
         /// Along the mesh.
         const CELLS: f64 = (1 << 18) as f64;
         /// Along a face.
         const OF_FACE: f64 = 16.0;
         Draw::from_cells(ground, CELLS, OF_FACE)
+    }
+
+    /// From cells about as wide as faces.
+    pub(super) fn of_width(ground: &'g Ground<'g>) -> Self {
+        Draw::from_cells(ground, 1.0, 1.0)
     }
 
     /// From a grid of at least so many cells along the mesh; finer, if a few far vertices make the mesh large, so that a
@@ -32,25 +37,42 @@ impl<'g> Draw<'g> {
         Draw { ground, centre, to_cells: axes.transpose() * (cells / size) }
     }
 
-    /// Where a face lies, in cells.
-    fn place(&self, face: Face) -> DVec3 {
+    /// Where a point lies, in cells.
+    fn place(&self, point: DVec3) -> DVec3 {
         // Off the cells' borders, on which points of regular meshes would lie.
-        self.to_cells * (self.ground.mesh.barycentre(face) - self.centre) + 0.37
+        self.to_cells * (point - self.centre) + 0.37
     }
 
     fn of(&self, face: Face) -> u64 {
-        number(self.place(face))
+        number(self.place(self.ground.mesh.barycentre(face)))
     }
+
+    /// A number for a point that mostly stays if the point moves by less than a cell: first that of its cell counts, then how
+    /// near it is to the cell's middle.
+    pub(super) fn lasting(&self, point: DVec3) -> u32 {
+        const NEARNESS: u32 = 0xFFFF;
+        let place = self.place(point);
+        // At the corners it is 3/4.
+        let nearness = 1.0 - from_middle(place) / 0.75;
+        number(place) as u32 & !NEARNESS | (nearness * f64::from(NEARNESS)) as u32
+    }
+}
+
+/// A number that any other bit of another one changes throughout.
+pub(super) fn mixed(mut x: u64) -> u64 {
+    x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
+    x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
+    x ^ (x >> 33)
 }
 
 /// The number of the cell in which a place lies.
 fn number(place: DVec3) -> u64 {
-    let mix = |mut x: u64| {
-        x = (x ^ (x >> 31)).wrapping_mul(0x7FB5_D329_728E_A185);
-        x = (x ^ (x >> 27)).wrapping_mul(0x81DA_DEF4_BC2D_D44D);
-        x ^ (x >> 33)
-    };
-    place.to_array().iter().fold(1, |h: u64, c| mix(h ^ c.floor() as i64 as u64))
+    place.to_array().iter().fold(1, |h: u64, c| mixed(h ^ c.floor() as i64 as u64))
+}
+
+/// The square of the distance of a place from the middle of its cell.
+fn from_middle(place: DVec3) -> f64 {
+    (place - place.floor()).distance_squared(DVec3::splat(0.5))
 }
 
 /// At most `count` faces that lie all over the surface, at much the same places however it is meshed.
@@ -63,8 +85,8 @@ pub(super) fn scattered(ground: &Ground<'_>, count: usize) -> Vec<Face> {
         .into_par_iter()
         .filter(sound)
         .map(|f| {
-            let place = draw.place(Face(f));
-            (number(place), (place - place.floor()).distance_squared(DVec3::splat(0.5)), f)
+            let place = draw.place(ground.mesh.barycentre(Face(f)));
+            (number(place), from_middle(place), f)
         })
         .collect();
     // Of each cell the face nearest to its middle.

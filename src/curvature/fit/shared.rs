@@ -4,6 +4,7 @@
 //! square of the radius. Fits around places a share of the radius apart are blended over the faces there. The more vertices
 //! a window has, the fewer windows there are, so the time does not grow with the radius.
 
+use super::cells::Cells;
 use super::fans::Fans;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch, Surface, by_chunk};
@@ -24,18 +25,21 @@ const REACH: f64 = 2.0 * SPACING;
 /// Places that are fitted by one thread at a time.
 const CHUNK: usize = 64;
 
-/// True where windows of given radii hold so many vertices that it pays to share them.
-pub(super) fn pays(mesh: &Mesh, radius: impl Fn(Face) -> Option<f64>) -> bool {
-    /// Vertices in a window, in the median over some faces. Up to some 110 a window around every face is faster, and on
-    /// clean surfaces nearer to the truth further on too.
-    const LEAST: f64 = 200.0;
+/// Vertices in a window of given radius, in the median over some faces.
+fn vertices(mesh: &Mesh, radius: impl Fn(Face) -> Option<f64>) -> f64 {
     const LOOKS: usize = 1000;
     let faces = (0..mesh.face_count()).step_by(mesh.face_count().div_ceil(LOOKS)).map(|f| Face(f as u32));
     let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
     // A vertex has two faces.
     let vertices = |face: Face| Some(PI * radius(face)?.powi(2) / (2.0 * mesh.area(face)));
-    let typical = median(sound.filter_map(vertices)).unwrap_or(0.0);
-    typical.min(mesh.positions().len() as f64) >= LEAST
+    median(sound.filter_map(vertices)).unwrap_or(0.0).min(mesh.positions().len() as f64)
+}
+
+/// True where windows of given radii hold so many vertices that it pays to share them. Up to some 110 a window around every
+/// face is faster, and on clean surfaces nearer to the truth further on too.
+pub(super) fn pays(mesh: &Mesh, radius: impl Fn(Face) -> Option<f64>) -> bool {
+    const LEAST: f64 = 200.0;
+    vertices(mesh, radius) >= LEAST
 }
 
 /// What windows of given radii say about each face, with their coverage; `None` where none of them reaches it.
@@ -47,8 +51,11 @@ pub(super) fn estimate(
     /// A place also covers faces on the other side of a thin wall, but its window does not face them: they get places in
     /// the next pass. A few that face aside of all around are left after that.
     const PASSES: usize = 3;
+    /// Cells in a window, at least.
+    const ENOUGH: f64 = 150.0;
     let ground = fans.ground;
     let count = ground.mesh.face_count();
+    let cells = Cells::new(fans, vertices(ground.mesh, &radius) / ENOUGH);
     let mut values = vec![None; count];
     let is_sound = |f: u32| ground.mesh.face_state(Face(f)) == FaceState::Sound;
     let mut is_left: Vec<bool> = (0..count as u32).map(is_sound).collect();
@@ -60,11 +67,11 @@ pub(super) fn estimate(
         let windows: Vec<Option<(Patch, f64)>> = places
             .par_chunks(CHUNK)
             .map_init(
-                || Steady::new(fans),
-                |steady, some| {
+                || Surveyor::new(fans, cells.as_ref(), quantum),
+                |surveyor, some| {
                     ground.work.advance_by(0.8, some.len(), places.len());
                     let fours = some.chunks(LANES);
-                    fours.flat_map(|four| windows(steady, four, quantum, &is_left, &radius)).collect::<Vec<_>>()
+                    fours.flat_map(|four| surveyor.windows(four, &is_left, &radius)).collect::<Vec<_>>()
                 },
             )
             .flatten_iter()
@@ -84,24 +91,52 @@ pub(super) fn estimate(
     values
 }
 
-/// Windows around up to four places with the faces that they serve, and their coverages.
-fn windows(
-    steady: &mut Steady<'_>,
-    places: &[(Face, f64)],
-    quantum: &Quantum,
-    is_left: &[bool],
-    radius: impl Fn(Face) -> Option<f64>,
-) -> Vec<Option<(Patch, f64)>> {
-    let fitted = steady.within(places, quantum);
-    let window = |(lane, &(_, own)): (usize, &(Face, f64))| {
-        let (Fitted { surface, centre, noise, error, .. }, coverage) = fitted[lane]?;
-        let reach = REACH * own;
-        let serves = |f: &u32| is_left[*f as usize] && radius(Face(*f)).is_some_and(|other| are_alike(own, other));
-        let faces = by_chunk(steady.gathered_within(lane, centre, reach).filter(serves).collect());
-        // All windows measure alike: the nearer one says more, whatever is left unexplained.
-        Some((Patch { centre, surface: Surface::Chord(surface), reach, error, doubt: 1.0, noise, faces }, coverage))
-    };
-    places.iter().enumerate().map(window).collect()
+/// Fits windows to places; one per thread.
+struct Surveyor<'g> {
+    quantum: &'g Quantum,
+    of_cells: Option<Steady<'g, Cells<'g>>>,
+    of_fans: Steady<'g, Fans<'g>>,
+    sampler: Sampler<'g, Fans<'g>>,
+}
+
+impl<'g> Surveyor<'g> {
+    fn new(fans: &'g Fans<'g>, cells: Option<&'g Cells<'g>>, quantum: &'g Quantum) -> Self {
+        let (of_cells, of_fans) = (cells.map(Steady::new), Steady::new(fans));
+        Surveyor { quantum, of_cells, of_fans, sampler: Sampler::new(fans) }
+    }
+
+    /// What windows around up to four places say, with their coverages.
+    fn fitted(&mut self, places: &[(Face, f64)]) -> [Option<(Fitted, f64)>; LANES] {
+        let Surveyor { quantum, of_cells, of_fans, .. } = self;
+        let Some(of_cells) = of_cells else { return of_fans.within(places, quantum) };
+        let mut fitted = of_cells.within(places, quantum);
+        // Where faces are large against the radius, cells are too few.
+        for (fitted, place) in fitted.iter_mut().zip(places).filter(|(fitted, _)| fitted.is_none()) {
+            [*fitted, ..] = of_fans.within(std::slice::from_ref(place), quantum);
+        }
+        fitted
+    }
+
+    /// The windows with the faces that they serve, and their coverages.
+    fn windows(
+        &mut self,
+        places: &[(Face, f64)],
+        is_left: &[bool],
+        radius: impl Fn(Face) -> Option<f64>,
+    ) -> Vec<Option<(Patch, f64)>> {
+        let fitted = self.fitted(places);
+        let window = |(&(place, own), fitted): (&(Face, f64), Option<(Fitted, f64)>)| {
+            let (Fitted { surface, centre, noise, error, .. }, coverage) = fitted?;
+            let reach = REACH * own;
+            let serves = |f: &u32| is_left[*f as usize] && radius(Face(*f)).is_some_and(|other| are_alike(own, other));
+            self.sampler.start(place);
+            self.sampler.gather_within(centre, reach, 0);
+            let faces = by_chunk(self.sampler.faces_within(centre, reach).filter(serves).collect());
+            // All windows measure alike: the nearer one says more, whatever is left unexplained.
+            Some((Patch { centre, surface: Surface::Chord(surface), reach, error, doubt: 1.0, noise, faces }, coverage))
+        };
+        places.iter().zip(fitted).map(window).collect()
+    }
 }
 
 /// True for radii of faces that may share a window: what they would see apart differs by little more than what the window

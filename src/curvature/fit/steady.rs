@@ -4,6 +4,7 @@
 //! ones).
 
 use super::abreast::Abreast;
+use super::cells::Cells;
 use super::chord::{Chord, ChordFitter};
 use super::fans::Fans;
 use super::frame::Frame;
@@ -11,12 +12,11 @@ use super::lanes::LANES;
 use super::patches::{Blended, Mean};
 use super::quantum::Quantum;
 use super::samples::Sampler;
+use super::sites::Sites;
 use crate::mesh::Face;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Least number of vertices in a window of given radius.
-const LEAST: usize = 16;
 /// Radii from a face's middle to the nearest of its corners, at most: windows of facets as long as that have vertices
 /// at their ends only.
 const LARGEST: f64 = 0.36;
@@ -24,8 +24,8 @@ const LARGEST: f64 = 0.36;
 const STEEPEST: f64 = 1e-4;
 
 /// Fits windows around four places at a time; one per thread.
-pub(super) struct Steady<'g> {
-    samplers: [Sampler<'g>; LANES],
+pub(super) struct Steady<'g, S> {
+    samplers: [Sampler<'g, S>; LANES],
     abreast: Abreast,
     chords: ChordFitter,
 }
@@ -64,11 +64,21 @@ impl Fitted {
 /// The values of all faces of a rough surface: a paraboloid in chord coordinates around every vertex,
 /// averaged over each face's corners.
 pub(super) fn around_vertices(fans: &Fans<'_>, window: usize) -> Vec<Option<Blended>> {
+    /// Cells in a window, at least. With half as many, values follow the meshing more than small windows' do.
+    const ENOUGH: f64 = 72.0;
+    match Cells::new(fans, window as f64 / ENOUGH) {
+        Some(cells) => around_all(&cells, (window as f64 / cells.size).round() as usize),
+        None => around_all(fans, window),
+    }
+}
+
+/// The same from so many sites in a window.
+fn around_all(sites: &impl Sites, window: usize) -> Vec<Option<Blended>> {
     const CHUNK: usize = 256;
-    let ground = fans.ground;
+    let ground = sites.fans().ground;
     let mut around: Vec<Option<Blended>> = vec![None; ground.mesh.positions().len()];
     around.par_chunks_mut(CHUNK).enumerate().for_each_init(
-        || Steady::new(fans),
+        || Steady::new(sites),
         |steady, (chunk, values)| {
             ground.work.advance_by(0.8, values.len(), ground.mesh.positions().len());
             let is_used = |&v: &usize| !ground.stars.neighbours(v as u32).is_empty();
@@ -93,9 +103,9 @@ pub(super) fn around_vertices(fans: &Fans<'_>, window: usize) -> Vec<Option<Blen
         .collect()
 }
 
-impl<'g> Steady<'g> {
-    pub(super) fn new(fans: &'g Fans<'g>) -> Self {
-        let samplers = std::array::from_fn(|_| Sampler::new(fans));
+impl<'g, S: Sites> Steady<'g, S> {
+    pub(super) fn new(sites: &'g S) -> Self {
+        let samplers = std::array::from_fn(|_| Sampler::new(sites));
         Steady { samplers, abreast: Abreast::new(), chords: ChordFitter::new() }
     }
 
@@ -103,7 +113,7 @@ impl<'g> Steady<'g> {
     pub(super) fn around_faces(&mut self, faces: &[Face], window: usize) -> [Option<Blended>; LANES] {
         self.nearest(faces.len(), window, |lane, sampler| {
             sampler.start(faces[lane]);
-            sampler.fans.ground.mesh.barycentre(faces[lane])
+            sampler.ground().mesh.barycentre(faces[lane])
         })
     }
 
@@ -111,7 +121,7 @@ impl<'g> Steady<'g> {
     fn around(&mut self, vertices: &[usize], window: usize) -> [Option<Blended>; LANES] {
         self.nearest(vertices.len(), window, |lane, sampler| {
             sampler.start_at(vertices[lane] as u32);
-            sampler.fans.ground.position(vertices[lane] as u32)
+            sampler.ground().position(vertices[lane] as u32)
         })
     }
 
@@ -120,7 +130,7 @@ impl<'g> Steady<'g> {
         &mut self,
         count: usize,
         window: usize,
-        start: impl Fn(usize, &mut Sampler<'_>) -> DVec3,
+        start: impl Fn(usize, &mut Sampler<'g, S>) -> DVec3,
     ) -> [Option<Blended>; LANES] {
         let fitted = self.fit(count, |lane, sampler| {
             let centre = start(lane, sampler);
@@ -135,14 +145,14 @@ impl<'g> Steady<'g> {
     pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<(Fitted, f64)>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {
-            let ((face, radius), mesh) = (faces[lane], sampler.fans.ground.mesh);
+            let ((face, radius), mesh) = (faces[lane], sampler.ground().mesh);
             let (centre, normal) = (mesh.barycentre(face), mesh.normal(face));
             let is_near = |corner: DVec3| corner.distance(centre) <= LARGEST * radius;
             if !mesh.triangle(face).into_iter().any(is_near) {
                 return None;
             }
             sampler.start(face);
-            let frame = sampler.take_within(centre, radius, LEAST)?;
+            let frame = sampler.take_within(centre, radius, S::LEAST)?;
             if frame.unit > radius {
                 return None;
             }
@@ -156,7 +166,7 @@ impl<'g> Steady<'g> {
                 flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, is_firm: true });
                 return None;
             }
-            (sampler.points.len() >= LEAST).then_some(Taken { frame, centre, degree: 4 })
+            (sampler.points.len() >= S::LEAST).then_some(Taken { frame, centre, degree: 4 })
         });
         std::array::from_fn(|lane| {
             let found = flat[lane].or(fitted[lane]).filter(|fitted| fitted.is_firm)?;
@@ -164,17 +174,12 @@ impl<'g> Steady<'g> {
         })
     }
 
-    /// The faces within a distance of `centre` among those that a lane gathered last, which must have been as far.
-    pub(super) fn gathered_within(&self, lane: usize, centre: DVec3, reach: f64) -> impl Iterator<Item = u32> {
-        self.samplers[lane].faces_within(centre, reach)
-    }
-
     /// Chord fits with weights that fall towards the rims, of the highest degrees up to those wanted that the samples
     /// carry several times over.
     fn fit(
         &mut self,
         count: usize,
-        mut take: impl FnMut(usize, &mut Sampler<'_>) -> Option<Taken>,
+        mut take: impl FnMut(usize, &mut Sampler<'g, S>) -> Option<Taken>,
     ) -> [Option<Fitted>; LANES] {
         let Steady { samplers, abreast, chords } = self;
         abreast.clear();
