@@ -39,9 +39,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     /// Growth of what the noise does not explain from the third level to the fourth, from which it is
     /// the detail of a smooth surface.
     const SMOOTH_GROWTH: f64 = 2.6;
-    /// Least growth of the variance from the first level to the second by noise that is alike. Independent noise has up to
-    /// 1.15 on small meshes, whose shape adds to it.
-    const ALIKE_GROWTH: f64 = 1.2;
+    /// Least growth of the deviation from the first level to the fourth by noise that is alike: it has 1.9 and more,
+    /// independent noise up to 1.2.
+    const ALIKE_GROWTH: f64 = 1.5;
     let other = if is_everywhere { Noise::Independent } else { Noise::Local };
     if !is_fine(fans.ground.mesh) {
         return other;
@@ -53,7 +53,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     let of_all = |of: &dyn Fn(&Probe) -> f64| median(probes.iter().map(of)).unwrap_or(0.0);
     let quartic = |level: usize| of_all(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
     let cyclide = of_all(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
-    let (noise, second, third, fourth) = (quartic(0), quartic(1), quartic(2), quartic(3));
+    // Detail that a cyclide explains is the surface's.
+    let (noise, second) = (quartic(0), quartic(1).min(cyclide));
+    let (third, fourth) = (quartic(2), quartic(3));
     let beyond = |deviation: f64| (deviation * deviation - noise * noise).max(0.0).sqrt();
     if noise >= LEAST_NOISE
         && fourth.min(cyclide) >= LEAST_GROWTH * noise
@@ -61,9 +63,9 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     {
         return Noise::Rough;
     }
-    // Detail that a cyclide explains is the surface's.
-    let growth = (second.min(cyclide) / noise).powi(2);
-    if is_everywhere && (ALIKE_GROWTH..SMOOTH).contains(&growth) { Noise::Alike } else { other }
+    let is_smooth = (second / noise).powi(2) >= SMOOTH;
+    let is_alike = is_everywhere && !is_smooth && fourth.min(cyclide) >= ALIKE_GROWTH * noise;
+    if is_alike { Noise::Alike } else { other }
 }
 
 /// Vertices in the window of a rough surface that turns by [`TURN`] over it: about six edges around.
