@@ -2,42 +2,48 @@
 
 const CONVERT: &str = "which is not read here; export it as glTF, OBJ, PLY or STL";
 const POINTS: &str = "which has no faces; mesh it first";
+const NO_MESH: &str = "not a mesh";
 
 /// How such files begin, what they are, and what to do.
-const BEGINNINGS: [(&str, &str, &str); 21] = [
-    ("version https://git-lfs", "a pointer of Git LFS", "not the mesh itself; `git lfs pull` fetches it"),
-    ("<!doctype html", "a web page", "not a mesh; download the file itself"),
-    ("<html", "a web page", "not a mesh; download the file itself"),
-    ("Kaydara FBX", "FBX", CONVERT),
-    ("; FBX", "FBX", CONVERT),
-    ("BLENDER", "a Blender file", CONVERT),
-    ("ISO-10303-21", "STEP, which holds surfaces", "not triangles; export STL from the CAD program"),
-    ("<COLLADA", "COLLADA", CONVERT),
-    ("<amf", "AMF", CONVERT),
-    ("<X3D", "X3D", CONVERT),
-    ("#X3D", "X3D", CONVERT),
-    ("#VRML", "VRML", CONVERT),
-    ("#Inventor", "Open Inventor", CONVERT),
-    ("PXR-USDC", "USD", CONVERT),
-    ("#usda", "USD", CONVERT),
-    ("# vtk DataFile", "VTK", CONVERT),
-    ("<VTKFile", "VTK", CONVERT),
-    ("$MeshFormat", "a Gmsh file", CONVERT),
-    ("DRACO", "a Draco file", CONVERT),
-    ("LASF", "a LAS point cloud", POINTS),
-    ("# .PCD", "a PCD point cloud", POINTS),
+const BEGINNINGS: &[(&[u8], &str, &str)] = &[
+    (b"version https://git-lfs", "a pointer of Git LFS", "not the mesh itself; `git lfs pull` fetches it"),
+    (b"<!doctype html", "a web page", "not a mesh; download the file itself"),
+    (b"<html", "a web page", "not a mesh; download the file itself"),
+    (b"Kaydara FBX", "FBX", CONVERT),
+    (b"; FBX", "FBX", CONVERT),
+    (b"BLENDER", "a Blender file", CONVERT),
+    (b"ISO-10303-21", "STEP, which holds surfaces", "not triangles; export STL from the CAD program"),
+    (b"<COLLADA", "COLLADA", CONVERT),
+    (b"<amf", "AMF", CONVERT),
+    (b"<X3D", "X3D", CONVERT),
+    (b"#X3D", "X3D", CONVERT),
+    (b"#VRML", "VRML", CONVERT),
+    (b"#Inventor", "Open Inventor", CONVERT),
+    (b"PXR-USDC", "USD", CONVERT),
+    (b"#usda", "USD", CONVERT),
+    (b"# vtk DataFile", "VTK", CONVERT),
+    (b"<VTKFile", "VTK", CONVERT),
+    (b"$MeshFormat", "a Gmsh file", CONVERT),
+    (b"DRACO", "a Draco file", CONVERT),
+    (b"LASF", "a LAS point cloud", POINTS),
+    (b"# .PCD", "a PCD point cloud", POINTS),
+    (b"\x89PNG", "a PNG picture", NO_MESH),
+    (b"\xff\xd8\xff", "a JPEG picture", NO_MESH),
+    (b"%PDF", "a PDF document", NO_MESH),
+    (b"7z\xbc\xaf", "a 7z archive", "not a mesh; unpack it first"),
+    (b"Rar!", "a RAR archive", "not a mesh; unpack it first"),
+    (b"\x7fELF", "a program", NO_MESH),
 ];
 
 /// What a file of no known format is, in a sentence.
 pub(super) fn sentence(content: &[u8]) -> Option<String> {
-    let begins = |content: &[u8], with: &str| {
-        content.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with.as_bytes()))
-    };
+    let begins =
+        |content: &[u8], with: &[u8]| content.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
     // In XML the first element tells, behind declarations and comments.
     let start = &content[..content.len().min(4096)];
     let mut tags = memchr::memchr_iter(b'<', start).map(|at| &content[at..]);
     let is_element = |tag: &&[u8]| tag.get(1).is_some_and(u8::is_ascii_alphabetic);
-    let root = if begins(content, "<?xml") { tags.find(is_element) } else { None };
+    let root = if begins(content, b"<?xml") { tags.find(is_element) } else { None };
     let (_, what, way_out) = BEGINNINGS.iter().find(|(with, ..)| begins(root.unwrap_or(content), with))?;
     Some(format!("this is {what}, {way_out}"))
 }
@@ -58,6 +64,7 @@ mod tests {
         ] {
             assert!(sentence(content.as_bytes()).is_some_and(|said| said.starts_with(start)), "{content}");
         }
+        assert_eq!(sentence(b"\x89PNG\r\n\x1a\n").as_deref(), Some("this is a PNG picture, not a mesh"));
         for other in ["", "<", "<?xml", "<?xml <", "solid", "v 1 2 3"] {
             assert_eq!(sentence(other.as_bytes()), None);
         }

@@ -4,6 +4,7 @@
 //! triangles; their number is that which the file really holds, whatever its header says.
 
 use super::corners::Corners;
+use super::foreign;
 use super::text::{self, Lines, Words};
 use crate::error::ParseError;
 use crate::soup::{Group, MAX_FACES, Note, Soup};
@@ -78,6 +79,16 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
             format!("{count} triangles are more than the {MAX_FACES} that can be handled"),
         ));
     }
+    let records = &mut &body[..RECORD * count as usize];
+    let is_as_declared = declared == held && left_over == 0;
+    if !is_as_declared && !looks_like_triangles(records) {
+        return Err(ParseError::file(foreign::sentence(bytes).unwrap_or_else(|| {
+            format!(
+                "this is no STL: {} bytes that hold no numbers of triangles, under a header that promises {declared}",
+                bytes.len()
+            )
+        })));
+    }
     let mut notes = Vec::new();
     if declared > held {
         notes.push(Note::repaired(format!(
@@ -93,10 +104,19 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
             notes.push(Note::repaired(format!("{extra} bytes after the last of {count} triangles are ignored")));
         }
     }
-    let records = &mut &body[..RECORD * count as usize];
     let mut soup = read_records(records, count as usize).map_err(|e| ParseError::byte(HEADER as u64, e.to_string()))?;
     soup.notes = notes;
     Ok(soup)
+}
+
+/// True when most of the first thousand records have coordinates that a mesh may have. Numbers made of other bytes
+/// are in one of three cases beyond the size of everything, in another nearer to zero than anything that is computed.
+fn looks_like_triangles(records: &[u8]) -> bool {
+    let (records, _) = records.as_chunks::<RECORD>();
+    let first = &records[..records.len().min(1000)];
+    let is_usual = |value: &f32| *value == 0.0 || (1e-30..1e15).contains(&value.abs());
+    let usual = first.iter().filter(|record| corners_of(record).as_flattened().iter().all(is_usual)).count();
+    2 * usual >= first.len()
 }
 
 /// Reads a binary file from its first byte on, as far as [`binary_count`] says; `None` where there
@@ -321,6 +341,19 @@ mod tests {
         let mut cut = binary(b"", 3, 3);
         cut.truncate(cut.len() - 1);
         assert_eq!(read(&cut).expect("readable").face_count(), 2);
+    }
+
+    #[test]
+    fn other_bytes_are_not_taken_for_triangles() {
+        // A multiplicative generator; its high bytes are as good as drawn by lot.
+        let noise = |seed: u64| (1..5000u64).map(move |i| ((i + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as u8);
+        for seed in 0..20 {
+            let bytes: Vec<u8> = [0xff].into_iter().chain(noise(seed)).collect();
+            let error = read(&bytes).expect_err("noise").to_string();
+            assert!(error.contains("this is no STL: 5000 bytes"), "{error}");
+        }
+        let picture: Vec<u8> = b"\x89PNG\r\n\x1a\n".iter().copied().chain(noise(0)).collect();
+        assert!(read(&picture).expect_err("a picture").to_string().contains("this is a PNG picture"));
     }
 
     #[test]
