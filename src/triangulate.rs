@@ -35,11 +35,11 @@ pub(crate) enum Outcome {
     Rough,
 }
 
-/// Appends `corners.len() - 2` triangles over the corners of a polygon. `effort` is what all polygons
-/// of a file share.
+/// Appends the triangles of a polygon: two fewer than it has corners, of which those at the place of the one before
+/// do not count, such as a quad has at a pole of a sphere. `effort` is what all polygons of a file share.
 pub(crate) fn triangulate(
     corners: &[u32],
-    position: impl Fn(u32) -> DVec3,
+    position: impl Fn(u32) -> DVec3 + Copy,
     effort: &mut Effort,
     out: &mut Vec<[u32; 3]>,
 ) -> Outcome {
@@ -47,8 +47,15 @@ pub(crate) fn triangulate(
         out.push([a, b, c]);
         return Outcome::Exact;
     }
-    let flat = flatten(corners, position);
     let n = corners.len();
+    let is_repeated = |i: usize| position(corners[i]) == position(corners[(i + n - 1) % n]);
+    if (0..n).any(is_repeated) {
+        let apart: Vec<u32> = (0..n).filter(|&i| !is_repeated(i)).map(|i| corners[i]).collect();
+        if apart.len() >= 3 {
+            return triangulate(&apart, position, effort, out);
+        }
+    }
+    let flat = flatten(corners, position);
     let convex = (0..n).all(|i| turn(flat[(i + n - 1) % n], flat[i], flat[(i + 1) % n]) > 0.0);
     if convex || n > MOST_EARS {
         out.extend((1..n.max(2) - 1).map(|i| [corners[0], corners[i], corners[i + 1]]));
@@ -200,6 +207,15 @@ mod tests {
         let (mut out, mut effort) = (Vec::new(), Effort(5000));
         assert_eq!(clip_ears(&corners, &flat, &mut effort, &mut out), Outcome::Rough);
         assert_eq!((out.len(), effort.0), (n - 2, 0));
+    }
+
+    #[test]
+    fn corners_at_one_place_count_once() {
+        let (triangles, outcome) = run(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]]);
+        assert_eq!((triangles.len(), outcome), (1, Outcome::Exact));
+        // Of a polygon without area nothing is lost in silence.
+        let (triangles, outcome) = run(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]);
+        assert_eq!((triangles.len(), outcome), (2, Outcome::Rough));
     }
 
     #[test]
