@@ -280,6 +280,8 @@ pub fn annotate(
     if format.is_gltf() {
         let notes = outputs.check_original(soup.scene.as_ref())?;
         soup.notes.extend(notes);
+        let unit = Unit::of_file(&soup, input_format).filter(|_| options.unit.is_none());
+        soup.notes.extend(unit.map(|unit| Note::info(unit.hint())));
     } else if let Some(scene) = &mut soup.scene {
         scene.original = None;
     }

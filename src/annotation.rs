@@ -7,7 +7,7 @@ use crate::io::{InputFormat, OutputFormat};
 use crate::mesh::Mesh;
 use crate::numbers::Numbers;
 use crate::quantity::{Quantity, Selection};
-use crate::soup::Note;
+use crate::soup::{Note, Soup};
 use crate::vertex_values::VertexValues;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -49,6 +49,19 @@ impl Unit {
             Unit::Metre => "m",
             Unit::Inch => "in",
         }
+    }
+
+    /// The unit that a file of another format than glTF names.
+    pub(crate) fn of_file(soup: &Soup, format: InputFormat) -> Option<Self> {
+        let metres = soup.metres_per_unit.filter(|_| format != InputFormat::Gltf)?;
+        let all = [Unit::Millimetre, Unit::Centimetre, Unit::Metre, Unit::Inch];
+        all.into_iter().find(|unit| unit.in_metres() == metres)
+    }
+
+    /// What to do about a unit that the file names: lengths are only scaled where that is asked for.
+    pub(crate) fn hint(self) -> String {
+        let unit = self.symbol();
+        format!("the file says that its lengths are in {unit}: --unit {unit} makes them metres in glTF")
     }
 }
 

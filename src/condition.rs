@@ -59,6 +59,11 @@ impl FromStr for Condition {
     /// [`Error::Usage`] with the comparison that cannot be read, and what can.
     fn from_str(text: &str) -> Result<Self, Error> {
         let words: Vec<&str> = text.split_whitespace().collect();
+        if words.iter().any(|word| word.eq_ignore_ascii_case("or")) {
+            let what = "comparisons are joined by and, not by or; a range such as mean=-1:1 and a list such as \
+                        class=convex,concave stand for one of several";
+            return Err(Error::Usage(what.into()));
+        }
         let comparisons: Result<Vec<Comparison>, String> = words
             .split(|word| word.eq_ignore_ascii_case("and"))
             .map(|part| Comparison::parse(&part.concat()))
@@ -142,7 +147,7 @@ fn column(name: &str) -> Option<(Quantity, usize)> {
 fn number(text: &str, quantity: Quantity, whole: &str) -> Result<f64, String> {
     let number: f64 = text.parse().ok().filter(|number: &f64| !number.is_nan()).ok_or_else(|| match text {
         "" => format!("\"{whole}\" lacks a number"),
-        _ => format!("\"{text}\" in \"{whole}\" is no number"),
+        _ => format!("\"{text}\" in \"{whole}\" is no number (comparisons are joined by and)"),
     })?;
     Ok(if quantity == Quantity::Face { number } else { f64::from(number as f32) })
 }
@@ -237,7 +242,8 @@ mod tests {
             ("dir_max>1", "unknown column \"dir_max\""),
             ("k_max>", "lacks a number"),
             ("k_max>big", "\"big\""),
-            ("k_max>1 or k_min<0", "is no number"),
+            ("k_max>1 or k_min<0", "joined by and, not by or"),
+            ("k_max>1, k_min<0", "joined by and"),
             ("k_max==1", "\"==\""),
             ("k_max=2:1", "is empty"),
             ("k_max>1:2", "is no number"),

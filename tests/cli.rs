@@ -80,6 +80,38 @@ fn every_format_is_written_and_the_summary_is_json() {
 }
 
 #[test]
+fn numbers_go_to_standard_output_where_asked_for() {
+    let folder = folder();
+    let run = osculate(folder.path(), &["annotate", "fixtures/suzanne.stl", "-o", "a.glb", "--stats", "-"]);
+    let stats: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    assert_eq!(stats["faces"], 968);
+    let run = osculate(folder.path(), &["synth", "sphere", "--faces", "80", "-o", "a.ply", "--exact", "-"]);
+    assert!(run.stdout.starts_with(b"face,"), "{run:?}");
+    let run = osculate(folder.path(), &["disk", "a.ply", "--face", "0", "-o", "a.glb", "--values", "-"]);
+    assert!(run.stdout.starts_with(b"angle_degrees,"), "{run:?}");
+    assert!(!folder.path().join("-").exists());
+}
+
+/// Surfaces made of quads that meet in a pole, with the pole once, or once for each quad.
+#[test]
+fn quads_that_end_in_a_pole_are_triangles() {
+    let folder = folder();
+    let run = osculate(folder.path(), &["synth", "sphere", "--cells", "12,8", "-o", "s.obj"]);
+    assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
+    let text = fs::read_to_string(folder.path().join("s.obj")).expect("a sphere");
+    let triangles = text.lines().filter(|line| line.starts_with("f ")).count();
+    let doubled = |line: &str| match line.strip_prefix("f ") {
+        Some(corners) => format!("f {corners} {}\n", corners.split(' ').next_back().expect("a corner")),
+        None => format!("{line}\n"),
+    };
+    fs::write(folder.path().join("q.obj"), text.lines().map(doubled).collect::<String>()).expect("writable");
+    let run = osculate(folder.path(), &["inspect", "q.obj", "--format", "json"]);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stdout));
+    let found: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    assert_eq!((&found["faces"], &found["notes"]), (&triangles.into(), &Value::Array(Vec::new())));
+}
+
+#[test]
 fn inspect_prints_the_contract() {
     let folder = folder();
     let run = osculate(folder.path(), &["inspect", "fixtures/cylinder_holes.stl", "--format", "json"]);
@@ -186,6 +218,7 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
         (file("letter.mesh", b"Dear aunt"), "none of STL, OBJ, PLY, OFF, 3MF and glTF"),
         (file("noise.bin", &[7; 300]), "none of"),
         (file("cut.stl", &fixture("suzanne.stl")[..100]), "byte"),
+        (file("program.stl", &[b"\x7fELF\x02\x01", [0xff; 400].as_slice()].concat()), "this is a program"),
         (file("cut.ply", &fixture("suzanne.ply")[..9000]), "truncated"),
         (file("cut.glb", &fixture("suzanne.glb")[..9000]), "byte"),
         (file("cut.gltf", &fixture("two_meshes.gltf")[..900]), "line"),
@@ -237,7 +270,7 @@ fn bad_usage_is_told_before_any_work() {
         let args = [&["annotate", "fixtures/two_meshes.glb"], extra].concat();
         osculate(folder.path(), &args)
     };
-    let cases: [(&[&str], &str); 17] = [
+    let cases: [(&[&str], &str); 21] = [
         (&["-o", "a.xyz"], "extension"),
         (&["-o", "-"], "--format"),
         (&["-o", "fixtures/two_meshes.glb"], "belongs to the input"),
@@ -255,12 +288,25 @@ fn bad_usage_is_told_before_any_work() {
         (&["-o", "a.glb", "--weld", "-1"], "weld"),
         (&["-o", "a.glb", "-j", "0"], "1 to 1024"),
         (&["-o", "a.glb", "--stats", "./a.glb"], "named for two outputs"),
+        (&["-o", "-", "--format", "csv", "--stats", "-"], "named for two outputs"),
+        (&["-o", "a.glb", "--format", "csv"], "--format csv does not go with the extension .glb"),
+        (&["-o", "a.glb", "--reuse", "--radius", "1"], "cannot be used with"),
+        (&["-o", "a.glb", "--select", "mean<0 or mean>1"], "joined by and"),
     ];
     for (args, expected) in cases {
         let run = annotate(args);
         assert_eq!(run.status.code(), Some(2), "{args:?}: {}", stderr(&run));
         assert!(stderr(&run).contains(expected), "{args:?}: {}", stderr(&run));
         assert!(!folder.path().join("a.glb").exists(), "{args:?}");
+    }
+    for (args, expected) in [
+        (["plane", "--radius", "2"], "--radius does not apply to plane"),
+        (["sphere", "--size", "1,2,3"], "--size does not apply to sphere"),
+        (["fillet-box", "--jitter", "0.3"], "--jitter does not apply to fillet-box"),
+    ] {
+        let run = osculate(folder.path(), &[&["synth", "-o", "a.stl"][..], &args].concat());
+        assert_eq!(run.status.code(), Some(2), "{args:?}");
+        assert!(stderr(&run).contains(expected), "{args:?}: {}", stderr(&run));
     }
     let missing = annotate(&["-o", "no/such/folder/a.glb"]);
     assert_eq!(missing.status.code(), Some(1));

@@ -270,6 +270,14 @@ fn off_and_3mf_say_what_their_sources_say() {
     assert_eq!((found.report.faces, found.report.components, found.report.closed), (640, 2, true));
     assert_eq!(found.metres_per_unit, Some(0.001));
     assert!(found.suggestions.iter().any(|s| s.contains("--unit mm")), "{:?}", found.suggestions);
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = osculate::Destination::File(folder.path().join("a.glb"));
+    let annotate = |unit| {
+        let options = osculate::AnnotateOptions { unit, ..Default::default() };
+        let done = osculate::annotate(&path, &output, osculate::OutputFormat::Glb, &options, &NoProgress);
+        done.expect("annotated").written.notes.iter().any(|note| note.message.contains("--unit mm"))
+    };
+    assert!(annotate(None) && !annotate(Some(osculate::Unit::Millimetre)));
     // A sphere of radius 2, and its copy of twice the size at x = 10.
     let bounds = found.report.bounds.expect("bounds");
     assert!((bounds.min.x + 2.0).abs() < 1e-5 && (bounds.max.x - 14.0).abs() < 1e-5, "{bounds:?}");

@@ -188,6 +188,10 @@ fn values_of_an_annotated_file_are_shown_again() {
     assert_ne!(page.array(0, "k_max"), page.array(1, "k_max"));
     let again = Page::read(&folder.path().join("again.html"));
     assert_eq!(again.facts["models"][0]["settings"]["estimator"], "auto");
+    // An estimate that is asked for is made.
+    run(folder.path(), 0, &["report", "c.glb", "--radius", "20", "-o", "wide.html", "-q"]);
+    let wide = Page::read(&folder.path().join("wide.html"));
+    assert_eq!(wide.facts["models"][0]["settings"]["radius"], 20.0);
 }
 
 #[test]

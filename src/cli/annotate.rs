@@ -1,9 +1,9 @@
 //! `osculate annotate`.
 
-use super::Outcome;
 use super::args::{AnnotateArgs, OutputsArgs};
 use super::messages::Messages;
 use super::progress::Bars;
+use super::{Outcome, open};
 use crate::wording::counted;
 use osculate::{AnnotateOptions, Destination, Error, Output, OutputFormat, Progress, Summary};
 use std::io::Write;
@@ -42,11 +42,21 @@ impl Target {
     /// Where the command line says that they go.
     pub(super) fn of(args: &OutputsArgs, stats: Option<PathBuf>) -> Result<Self, Error> {
         let to_stdout = args.output == Path::new("-");
-        let format = match args.format {
-            Some(format) => format.into(),
-            None if to_stdout => return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into())),
-            None => OutputFormat::of(&args.output)?,
+        let format = match (args.format.map(OutputFormat::from), OutputFormat::of(&args.output)) {
+            (Some(format), Ok(other)) if format != other => {
+                let [path, named, other] = [&args.output.display().to_string(), format.extension(), other.extension()];
+                let what = format!("{path}: --format {named} does not go with the extension .{other}; leave one out");
+                return Err(Error::Usage(what));
+            }
+            (Some(format), _) => format,
+            (None, _) if to_stdout => {
+                return Err(Error::Usage("-o - needs --format glb, gltf, ply, csv or npz".into()));
+            }
+            (None, format) => format?,
         };
+        if to_stdout && stats.as_deref() == Some(Path::new("-")) {
+            return Err(Error::Usage("standard output is named for two outputs".into()));
+        }
         let destination = if to_stdout { Destination::Stdout } else { Destination::File(args.output.clone()) };
         Ok(Target { destination, format, stats, no_clobber: args.no_clobber })
     }
@@ -60,7 +70,7 @@ impl Target {
     ) -> Result<Summary, Error> {
         self.check_existing(options)?;
         // Opened before any work, so that a wrong folder is known at once.
-        let stats = self.stats.as_deref().map(Output::create).transpose()?;
+        let stats = self.stats.as_deref().map(open).transpose()?;
         let summary = osculate::annotate(input, &self.destination, self.format, options, progress)?;
         if let Some(stats) = stats {
             write_stats(&summary, stats)?;

@@ -1,9 +1,9 @@
 //! `osculate disk`.
 
-use super::Outcome;
 use super::args::DiskArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
+use super::{Outcome, open};
 use glam::DVec3;
 use osculate::{CurvatureOptions, Disk, Error, FaceCurvature, Frame, Layer, LineScene, Mesh, Output, Polyline};
 use serde_json::json;
@@ -28,7 +28,7 @@ pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error
     let scene = LineScene { layers: &layers, origin: mesh.origin(), space: args.space.space(input.format)?, extras };
     let mut out = Output::create(&args.output)?;
     osculate::write_lines(&scene, &mut out)?;
-    let values = args.values.as_deref().map(Output::create).transpose()?;
+    let values = args.values.as_deref().map(open).transpose()?;
     if let Some(mut out) = values {
         out.write_all(diameters(&disk, &options).as_bytes()).map_err(|e| out.error(e))?;
         out.finish()?;

@@ -20,7 +20,7 @@ mod trace;
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 use messages::Messages;
-use osculate::Error;
+use osculate::{Error, Output};
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::Path;
@@ -108,6 +108,11 @@ fn on_threads(threads: Option<usize>, work: impl FnOnce() -> Result<Outcome, Err
         Ok(pool) => pool.install(work),
         Err(e) => Err(Error::Usage(format!("cannot start the threads: {e}; try a smaller -j"))),
     }
+}
+
+/// Opens a text that is written besides the main output; `-` is standard output.
+fn open(path: &Path) -> Result<Output, Error> {
+    if path == Path::new("-") { Ok(Output::stdout()) } else { Output::create(path) }
 }
 
 /// Writes results to standard output.

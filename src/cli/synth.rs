@@ -1,13 +1,14 @@
 //! `osculate synth`.
 
-use super::Outcome;
 use super::args::SynthArgs;
 use super::choices::ShapeArg;
 use super::messages::Messages;
+use super::{Outcome, open};
 use crate::wording::counted;
+use clap::ValueEnum;
 use glam::DVec3;
+use osculate::Error;
 use osculate::synth::{Grid, RoundedBox, ScanNoise, Surface, Synthetic};
-use osculate::{Error, Output};
 use std::io::Write;
 
 pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Error> {
@@ -16,7 +17,7 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
         return Err(Error::Usage(format!("{} is named for two outputs", args.output.display())));
     }
     // Opened before any work, so that a wrong folder is known at once.
-    let exact = args.exact.as_deref().map(Output::create).transpose()?;
+    let exact = args.exact.as_deref().map(open).transpose()?;
     let scan = ScanNoise { deviation: args.scan_noise, view: args.scan_view, seed: args.seed };
     let synthetic = scan.apply(build(args)?);
     osculate::write_mesh(&synthetic.soup, &args.output)?;
@@ -30,13 +31,22 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
 
 fn check(args: &SynthArgs) -> Result<(), Error> {
     let usage = |what: &str| Err(Error::Usage(what.to_owned()));
-    let shortest = args.size.min_element();
+    let shortest = args.size().min_element();
+    if let Some(option) = args.unused() {
+        let shape = args.shape.to_possible_value();
+        return Err(Error::Usage(format!(
+            "{option} does not apply to {}",
+            shape.as_ref().map_or("", |s| s.get_name())
+        )));
+    }
     match args.shape {
-        _ if !(args.radius > 0.0 && args.tube > 0.0 && args.height > 0.0 && shortest > 0.0) => {
+        _ if !(args.radius() > 0.0 && args.tube() > 0.0 && args.height() > 0.0 && shortest > 0.0) => {
             usage("--radius, --tube, --height and --size must be above 0")
         }
-        ShapeArg::Torus if args.tube >= args.radius => usage("--tube must be below --radius, or the torus cuts itself"),
-        ShapeArg::FilletBox if !(args.fillet > 0.0 && 2.0 * args.fillet < shortest) => {
+        ShapeArg::Torus if args.tube() >= args.radius() => {
+            usage("--tube must be below --radius, or the torus cuts itself")
+        }
+        ShapeArg::FilletBox if !(args.fillet() > 0.0 && 2.0 * args.fillet() < shortest) => {
             usage("--fillet must be above 0 and below half the shortest of --size")
         }
         _ if !(0.0..0.5).contains(&args.jitter) => {
@@ -54,15 +64,15 @@ fn check(args: &SynthArgs) -> Result<(), Error> {
 fn build(args: &SynthArgs) -> Result<Synthetic, Error> {
     let surface = match args.shape {
         ShapeArg::Plane => Surface::Plane,
-        ShapeArg::Sphere => Surface::Sphere { radius: args.radius },
-        ShapeArg::Cylinder => Surface::Cylinder { radius: args.radius, height: args.height },
-        ShapeArg::Torus => Surface::Torus { major: args.radius, minor: args.tube },
-        ShapeArg::Ellipsoid => Surface::Ellipsoid { axes: 0.5 * args.size },
+        ShapeArg::Sphere => Surface::Sphere { radius: args.radius() },
+        ShapeArg::Cylinder => Surface::Cylinder { radius: args.radius(), height: args.height() },
+        ShapeArg::Torus => Surface::Torus { major: args.radius(), minor: args.tube() },
+        ShapeArg::Ellipsoid => Surface::Ellipsoid { axes: 0.5 * args.size() },
         ShapeArg::Saddle => Surface::Saddle,
         ShapeArg::MonkeySaddle => Surface::MonkeySaddle,
         ShapeArg::Wave => Surface::Wave,
         ShapeArg::Box => return Ok(rounded_box(args, 0.0).build()),
-        ShapeArg::FilletBox => return Ok(rounded_box(args, args.fillet).build()),
+        ShapeArg::FilletBox => return Ok(rounded_box(args, args.fillet()).build()),
     };
     let grid = match args.cells {
         Some([u, v]) => {
@@ -79,7 +89,7 @@ fn build(args: &SynthArgs) -> Result<Synthetic, Error> {
 
 /// Cells of a flat and of half a fillet: as given, or so that both are about as long.
 fn rounded_box(args: &SynthArgs, fillet: f64) -> RoundedBox {
-    let DVec3 { x, y, z } = args.size;
+    let DVec3 { x, y, z } = args.size();
     let flat = (x + y + z) / 3.0 - 2.0 * fillet;
     let arc = std::f64::consts::FRAC_PI_4 * fillet;
     let [flat_cells, fillet_cells] = args.cells.unwrap_or_else(|| {
@@ -87,5 +97,5 @@ fn rounded_box(args: &SynthArgs, fillet: f64) -> RoundedBox {
         let cell = (flat + 2.0 * arc) / across;
         [(flat / cell).round().max(1.0) as usize, (arc / cell).round().max(1.0) as usize]
     });
-    RoundedBox { size: args.size, fillet, flat_cells, fillet_cells, noise: args.noise, seed: args.seed }
+    RoundedBox { size: args.size(), fillet, flat_cells, fillet_cells, noise: args.noise, seed: args.seed }
 }

@@ -1,6 +1,7 @@
 //! Settings that a file seems to need: said only where the data speak for them.
 
 use super::EdgeLengths;
+use crate::annotation::Unit;
 use crate::io::InputFormat;
 use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, MeshOptions};
 use crate::soup::Soup;
@@ -73,11 +74,8 @@ fn weld(mesh: &Mesh, lengths: EdgeLengths) -> Option<String> {
 
 /// What the file says of its unit, or what its format is customarily in.
 fn unit(mesh: &Mesh, soup: &Soup, format: InputFormat) -> Option<String> {
-    let metres = soup.metres_per_unit.filter(|_| format != InputFormat::Gltf);
-    if let Some(metres) = metres {
-        let known = [("mm", 0.001), ("cm", 0.01), ("m", 1.0), ("in", 0.0254)];
-        let unit = known.iter().find(|(_, size)| *size == metres)?.0;
-        return Some(format!("the file says that its lengths are in {unit}: --unit {unit} makes them metres in glTF"));
+    if let Some(unit) = Unit::of_file(soup, format) {
+        return Some(unit.hint());
     }
     let size = mesh.report().bounds?.size().max_element();
     (format == InputFormat::Stl && (10.0..3000.0).contains(&size)).then(|| {

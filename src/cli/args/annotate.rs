@@ -16,7 +16,8 @@ pub(in crate::cli) struct AnnotateArgs {
     #[command(flatten)]
     pub(in crate::cli) outputs: OutputsArgs,
 
-    /// Also write counts, seconds per stage and percentiles of the values as JSON
+    /// Also write counts, seconds per stage and percentiles of the values, in the input's unit, as JSON. - for standard
+    /// output
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(in crate::cli) stats: Option<PathBuf>,
 

@@ -13,7 +13,7 @@ pub(in crate::cli) struct DiskArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: PathBuf,
 
-    /// Also write the value of every diameter as CSV: angle, curvature, lengths, chord, stops
+    /// Also write the value of every diameter as CSV: angle, curvature, lengths, chord, stops. - for standard output
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(in crate::cli) values: Option<PathBuf>,
 

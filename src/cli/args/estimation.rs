@@ -22,7 +22,7 @@ pub(in crate::cli) struct EstimationArgs {
     #[arg(long, value_name = "F[:face|mesh]", value_parser = radius_factor, allow_hyphen_values = true)]
     radius_factor: Option<Radius>,
 
-    /// Diameters of a disk, 3 to 360; not used by auto
+    /// Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for gauss_perimeter
     #[arg(long, value_name = "N", default_value_t = CurvatureOptions::default().diameters)]
     diameters: usize,
 

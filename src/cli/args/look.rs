@@ -27,7 +27,7 @@ pub(in crate::cli) struct LookArgs {
     pub(in crate::cli) colors: ColorsArgs,
 
     /// Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants),
-    /// separated by commas; --color-by is shown first where it is among them, otherwise the first is
+    /// separated by commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class; --color-by is shown first where it is among them, otherwise the first is
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = quantity)]
     variants: Vec<osculate::Quantity>,
 

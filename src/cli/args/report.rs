@@ -5,7 +5,7 @@ use super::{CommonArgs, EstimationArgs, MeshArgs, SpaceArgs};
 use crate::cli::choices::ColorByArg;
 use crate::cli::parse::{range, size, view};
 use clap::Args;
-use osculate::{Colormap, PictureOptions, Range, ReportOptions, ViewFrom};
+use osculate::{Colormap, CurvatureOptions, PictureOptions, Range, ReportOptions, ViewFrom};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub(in crate::cli) struct ReportArgs {
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) png: Option<PathBuf>,
 
-    /// Estimate the values also where an annotated glTF carries them
+    /// Estimate the values also where an annotated glTF carries them, as any other option of estimation does
     #[arg(long, help_heading = "Estimation")]
     no_reuse: bool,
 
@@ -88,11 +88,13 @@ pub(in crate::cli) struct ReportArgs {
 impl ReportArgs {
     pub(in crate::cli) fn options(&self) -> Result<ReportOptions, osculate::Error> {
         let color_by: Option<osculate::Quantity> = self.color_by.into();
+        let curvature = self.estimation.options();
         Ok(ReportOptions {
             read: self.reading.options()?,
             mesh: self.mesh.options(),
-            curvature: self.estimation.options(),
-            reuse: !self.no_reuse,
+            curvature,
+            // Who asks for an estimate does not want that of another run.
+            reuse: !self.no_reuse && curvature == CurvatureOptions::default(),
             color_by: color_by
                 .ok_or_else(|| osculate::Error::Usage("a report shows colours; give --color-by a quantity".into()))?,
             colormap: self.colormap.as_deref().map(Colormap::named).transpose()?,

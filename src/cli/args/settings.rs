@@ -16,7 +16,8 @@ pub(in crate::cli) struct SettingsArgs {
     pub(in crate::cli) look: LookArgs,
 
     /// Take the values that a glTF input carries from an earlier run instead of estimating them
-    #[arg(long, help_heading = "Estimation")]
+    #[arg(long, help_heading = "Estimation",
+          conflicts_with_all = ["estimator", "radius", "radius_factor", "diameters", "class_tolerance"])]
     reuse: bool,
 }
 
