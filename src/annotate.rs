@@ -8,7 +8,7 @@ use crate::curvature::{self, CurvatureOptions, Estimator, FaceClass, FaceCurvatu
 use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, OutputFormat, ReadOptions};
 use crate::legend;
-use crate::mesh::{Face, FaceState, Mesh, MeshOptions};
+use crate::mesh::{Face, Mesh, MeshOptions};
 use crate::progress::Progress;
 use crate::quantity::{Quantity, Selection};
 use crate::soup::Note;
@@ -341,8 +341,7 @@ pub(crate) fn keep_settings(provenance: &mut Value, own: &Value) {
 
 /// Says so where faces that have an area and a place have no values.
 pub(crate) fn note_of_lost_values(mesh: &Mesh, values: &[FaceCurvature]) -> Option<Note> {
-    let is_lost =
-        |(f, v): &(usize, &FaceCurvature)| !v.is_estimated() && mesh.face_state(Face(*f as u32)) == FaceState::Sound;
+    let is_lost = |(f, v): &(usize, &FaceCurvature)| !v.is_estimated() && mesh.is_sound(Face(*f as u32));
     let lost = values.par_iter().enumerate().filter(is_lost).count();
     (lost > 0).then(|| {
         Note::repaired(format!(

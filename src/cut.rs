@@ -1,7 +1,7 @@
 //! The section of a whole mesh with a plane, by the same walk as the disks.
 
 use crate::lines::Polyline;
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use crate::progress::{Progress, Stage};
 use crate::section::{Crossing, Features, Plane, Stop};
 use glam::DVec3;
@@ -23,7 +23,7 @@ pub fn cut(mesh: &Mesh, plane: &Plane, progress: &dyn Progress) -> Vec<Polyline>
         if (face.0 + 1).is_multiple_of(CHUNK) {
             progress.advance(CHUNK.into());
         }
-        let in_surface = matches!(mesh.face_state(face), FaceState::Sound | FaceState::NoArea);
+        let in_surface = mesh.is_in_surface(face);
         if visited[face.index()] || !in_surface {
             continue;
         }

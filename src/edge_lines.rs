@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::lines::{Layer, Polyline};
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::DVec3;
 
 /// Boundary, feature and non-manifold edges, each kind a layer; with a view direction, from the
@@ -28,7 +28,7 @@ fn layer(mesh: &Mesh, name: &str, kind: f64, color: Rgb, shown: impl Fn(&Mesh, H
     let topology = mesh.topology();
     let mut ends: Vec<([u32; 2], HalfEdge)> = (0..mesh.face_count() as u32)
         .map(Face)
-        .filter(|&f| matches!(mesh.face_state(f), FaceState::Sound | FaceState::NoArea))
+        .filter(|&f| mesh.is_in_surface(f))
         .flat_map(Face::half_edges)
         .filter(|&h| topology.twin(h).is_none_or(|twin| h < twin) && shown(mesh, h))
         .map(|h| {

@@ -54,7 +54,7 @@ impl Place {
         let nearest = (0..mesh.face_count() as u32)
             .into_par_iter()
             .map(Face)
-            .filter(|&f| mesh.face_state(f) == FaceState::Sound)
+            .filter(|&f| mesh.is_sound(f))
             .map(|face| {
                 let place = Place { face, weights: nearest_in_triangle(mesh.triangle(face), local) };
                 (mesh.point(place).distance_squared(local), place)

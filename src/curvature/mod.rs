@@ -19,7 +19,7 @@ pub use values::FaceCurvature;
 
 use crate::disk::{Diameter, Disk, Frame, Leg};
 use crate::error::Error;
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, FileOrder, Mesh};
 use crate::place::Place;
 use crate::progress::{Progress, Stage, Uncounted};
 use euler::{EulerFit, Principal};
@@ -84,7 +84,10 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
     let fixed = begin(mesh, options, progress)?;
     let values = match by_sections(mesh, options, fixed, progress) {
         Some(values) => values,
-        None => in_order(mesh.surface(), options, fixed, progress).1,
+        None => {
+            let (_, order, values) = in_order(mesh.surface(), options, fixed, progress);
+            order.sorted(&values)
+        }
     };
     Ok(finish(mesh, values, progress))
 }
@@ -101,7 +104,12 @@ pub fn estimate_owned(
     let fixed = begin(&mesh, options, progress)?;
     let (mesh, values) = match by_sections(&mesh, options, fixed, progress) {
         Some(values) => (mesh, values),
-        None => in_order(mesh, options, fixed, progress),
+        None => {
+            let (ordered, order, values) = in_order(mesh, options, fixed, progress);
+            let sorted = order.sorted(&values);
+            drop(values);
+            (ordered.back_to(order), sorted)
+        }
     };
     let values = finish(&mesh, values, progress);
     Ok((mesh, values))
@@ -136,21 +144,19 @@ fn by_sections(
     }
 }
 
-/// Estimates all faces of a mesh but its duplicates, in an order that is good for caches, and brings the mesh back.
+/// Estimates all faces of a mesh but its duplicates, in an order that is good for caches.
 fn in_order(
     mesh: Mesh,
     options: &CurvatureOptions,
     fixed: Option<f64>,
     progress: &dyn Progress,
-) -> (Mesh, Vec<FaceCurvature>) {
+) -> (Mesh, FileOrder, Vec<FaceCurvature>) {
     let (ordered, order) = mesh.into_order();
     // By all threads: to bring so much memory into use takes time.
     let none = (0..ordered.face_count()).into_par_iter().map(|_| FaceCurvature::NOT_ESTIMATED);
-    let mut in_order: Vec<FaceCurvature> = none.collect();
-    estimate_in_order(&ordered, options, fixed, progress, &mut in_order);
-    let values = order.sorted(&in_order);
-    drop(in_order);
-    (ordered.back_to(order), values)
+    let mut values: Vec<FaceCurvature> = none.collect();
+    estimate_in_order(&ordered, options, fixed, progress, &mut values);
+    (ordered, order, values)
 }
 
 /// Estimates all faces of a mesh but its duplicates.
@@ -210,7 +216,7 @@ fn estimate_range(
     out: &mut [FaceCurvature],
 ) {
     for (face, value) in faces.map(Face).zip(out) {
-        if mesh.face_state(face) != FaceState::Sound {
+        if !mesh.is_sound(face) {
             continue;
         }
         if let Some(frame) = Frame::at_barycentre(mesh, face) {

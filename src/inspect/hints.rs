@@ -3,7 +3,7 @@
 use super::EdgeLengths;
 use crate::annotation::Unit;
 use crate::io::InputFormat;
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, MeshOptions};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh, MeshOptions};
 use crate::soup::Soup;
 use glam::{DVec3, IVec3};
 use std::collections::HashMap;
@@ -31,7 +31,7 @@ fn weld(mesh: &Mesh, lengths: EdgeLengths) -> Option<String> {
     }
     let mut is_open = vec![false; mesh.positions().len()];
     let sides = (0..3 * mesh.face_count() as u32).map(HalfEdge);
-    let counted = |h: &HalfEdge| matches!(mesh.face_state(h.face()), FaceState::Sound | FaceState::NoArea);
+    let counted = |h: &HalfEdge| mesh.is_in_surface(h.face());
     for h in sides.filter(counted).filter(|&h| mesh.edge_kind(h) == EdgeKind::Boundary) {
         is_open[mesh.topology().origin(h).0 as usize] = true;
         is_open[mesh.topology().target(h).0 as usize] = true;
@@ -100,7 +100,7 @@ fn up(mesh: &Mesh, format: InputFormat) -> Option<String> {
     let center = bounds.center();
     let is_map_z = is_map(center.x, center.z) && is_map(center.y, center.z);
     let (mut area, mut base_y, mut base_z) = (0.0, 0.0, 0.0);
-    for face in (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound) {
+    for face in (0..mesh.face_count() as u32).map(Face).filter(|&f| mesh.is_sound(f)) {
         let (normal, part) = (mesh.normal(face), mesh.area(face));
         let at = mesh.barycentre(face) + mesh.origin() - bounds.min;
         area += part;

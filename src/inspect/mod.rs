@@ -7,7 +7,7 @@ pub use places::{Defect, DefectPlace};
 
 use crate::error::Error;
 use crate::io::{self, InputFormat, ReadOptions};
-use crate::mesh::{Bounds, Face, FaceState, HalfEdge, Mesh, MeshOptions, MeshReport};
+use crate::mesh::{Bounds, Face, HalfEdge, Mesh, MeshOptions, MeshReport};
 use crate::progress::Progress;
 use crate::soup::{Note, Scene, Soup, Transform};
 use glam::{DMat4, DQuat, DVec3};
@@ -159,7 +159,7 @@ fn edge_lengths(mesh: &Mesh) -> Option<EdgeLengths> {
         .map(HalfEdge)
         // An edge with two faces is measured from one of them.
         .filter(|&h| topology.twin(h).is_none_or(|twin| h < twin))
-        .filter(|&h| matches!(mesh.face_state(h.face()), FaceState::Sound | FaceState::NoArea))
+        .filter(|&h| mesh.is_in_surface(h.face()))
         .map(|h| mesh.position(topology.origin(h)).distance(mesh.position(topology.target(h))))
         .filter(|length| length.is_finite())
         .collect();

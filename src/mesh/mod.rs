@@ -17,6 +17,7 @@ mod weld_distance;
 pub use arrays::{PositionsRef, SameVertex};
 pub use edges::EdgeKind;
 pub use ids::{Face, HalfEdge, Vertex};
+pub(crate) use order::FileOrder;
 pub use report::{Bounds, EdgeCounts, FaceState, FirstDefects, MeshReport};
 pub use topology::{Across, Topology};
 
@@ -330,6 +331,18 @@ impl Mesh {
     #[inline]
     pub fn face_state(&self, face: Face) -> FaceState {
         self.states[face.index()]
+    }
+
+    /// True when nothing is wrong with a face, so that it gets an estimate.
+    #[inline]
+    pub(crate) fn is_sound(&self, face: Face) -> bool {
+        self.face_state(face) == FaceState::Sound
+    }
+
+    /// True for faces that are part of the surface, with an area or without.
+    #[inline]
+    pub(crate) fn is_in_surface(&self, face: Face) -> bool {
+        matches!(self.face_state(face), FaceState::Sound | FaceState::NoArea)
     }
 
     /// True when the face winds against the majority of its component.

@@ -38,7 +38,7 @@ impl Mesh {
 
     fn check_edge(&self, h: HalfEdge) {
         let topology = self.topology();
-        let in_topology = matches!(self.face_state(h.face()), FaceState::Sound | FaceState::NoArea);
+        let in_topology = self.is_in_surface(h.face());
         match topology.across(h) {
             Across::Boundary => assert_eq!(self.edge_kind(h), EdgeKind::Boundary),
             Across::NonManifold => {

@@ -2,7 +2,7 @@
 
 use super::display::Display;
 use crate::curvature::{FaceCurvature, Method};
-use crate::mesh::{EdgeKind, Face, FaceState, Mesh};
+use crate::mesh::{EdgeKind, Face, Mesh};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Compression, write::ZlibEncoder};
@@ -166,7 +166,7 @@ fn method(method: Method) -> u32 {
 
 /// The kinds of a face's three edges, two bits each; a thinned mesh has none of its own.
 fn edges(mesh: &Mesh, face: Face, display: &Display) -> u32 {
-    let counted = matches!(mesh.face_state(face), FaceState::Sound | FaceState::NoArea);
+    let counted = mesh.is_in_surface(face);
     if !counted || display.numbers.is_some() {
         return 0;
     }

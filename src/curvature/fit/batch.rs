@@ -88,7 +88,7 @@ impl Batch {
         } else {
             let window = &mut self.window;
             window.start(ground.mesh, seed);
-            window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+            window.grow_to(ground, WANTED);
             window.add_normals(ground.mesh, &mut self.gathered.normals);
             self.uprights.set(self.seeds.len(), self.gathered.normals.iter().sum());
             self.gathered.rings.take(&window.vertices);
@@ -105,7 +105,7 @@ impl Batch {
             true => self.gathered.rings.vertices(),
             false => {
                 self.window.start(ground.mesh, seed);
-                self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+                self.window.grow_to(ground, WANTED);
                 &self.window.vertices
             }
         };
@@ -116,7 +116,7 @@ impl Batch {
     pub(super) fn load_with_rulings(&mut self, ground: &Ground<'_>, seed: Face) {
         let lane = self.seeds.len();
         self.window.start(ground.mesh, seed);
-        self.window.grow_to(ground.mesh, &ground.stars, ground.over_features, WANTED);
+        self.window.grow_to(ground, WANTED);
         let folds = Folds::within(ground.mesh, &self.window.faces);
         self.rulings[lane] = rulings(ground.mesh, &self.window.faces, folds.has_diagonals.then_some(&folds));
         self.load(ground, seed);

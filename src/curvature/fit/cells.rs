@@ -18,7 +18,7 @@ const GROUP: f64 = 4.4;
 /// Cells of fans, or of such cells.
 pub(super) struct Cells<'g> {
     fans: &'g Fans<'g>,
-    /// Of each fan.
+    /// The cell of each fan.
     cell_of: Vec<u32>,
     cells: Vec<Cell>,
     neighbours: Lists,
@@ -32,7 +32,7 @@ pub(super) struct Cells<'g> {
 struct Cell {
     /// The mean of the fans' positions.
     position: DVec3,
-    /// Against other cells.
+    /// Number of its fans, against the mean of all cells.
     weight: f64,
     /// The sum of the fans' normals.
     normal: Vec3,
@@ -212,12 +212,16 @@ fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
         Middle,
         Beside,
     }
-    // Many sites in one cell of the grid have one number: that of theirs decides then, in no order, since each has to wait
-    // for all greater ones around.
-    let rank = |site: u32| (numbers[site as usize], site.reverse_bits().wrapping_mul(0x9E37_79B1));
+    // A site has to wait for all greater ones around. Where numbers rise steadily, as towards the middle of a cell of the
+    // grid that many sites share, that takes as many rounds as there are sites on the way: after some, lots are drawn.
+    let mut rounds = 0..64;
+    // Each its own.
+    let lot = |site: u32| site.reverse_bits().wrapping_mul(0x9E37_79B1);
     let mut states = vec![State::Open; sites.count()];
     let mut open: Vec<u32> = (0..sites.count() as u32).collect();
     while !open.is_empty() {
+        let is_orderly = rounds.next().is_some();
+        let rank = |site: u32| (if is_orderly { numbers[site as usize] } else { 0 }, lot(site));
         let is_greatest = |site: &u32| {
             let wins = |other: u32| states[other as usize] != State::Open || rank(other) <= rank(*site);
             sites.neighbours(*site).iter().all(|&other| wins(other))
@@ -239,7 +243,11 @@ fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
     let nearest = |site: u32| {
         let away = |other: u32| sites.position(other).distance_squared(sites.position(site));
         let around = sites.neighbours(site).iter().copied().filter(|&other| is_middle(other));
-        let nearer = |a: &u32, b: &u32| away(*a).total_cmp(&away(*b)).then_with(|| rank(*b).cmp(&rank(*a)));
+        let nearer = |a: &u32, b: &u32| {
+            away(*a)
+                .total_cmp(&away(*b))
+                .then_with(|| (numbers[*b as usize], lot(*b)).cmp(&(numbers[*a as usize], lot(*a))))
+        };
         let own = if is_middle(site) { site } else { around.min_by(nearer).unwrap_or(site) };
         group_of[own as usize]
     };

@@ -5,25 +5,23 @@ use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::implicit::Implicit;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run, which};
-use super::polynomial::{MOST, Polynomial, basis};
+use super::polynomial::{CYCLIDE, MOST, PARABOLOID, Polynomial, basis};
 use super::prior::priors;
 
-/// Terms of a Darboux cyclide.
-pub(super) const TERMS: usize = 13;
 /// Samples that a fit needs.
-const LEAST: usize = TERMS + 8;
+const LEAST: usize = CYCLIDE + 8;
 
 /// Fits cyclides to noisy samples, four windows at a time: the least sum of squared distances from the surface. The
 /// residuals of its equation will not do, since noise stands on both sides of it.
 pub(super) struct CyclideFitter {
     points: Vec<V3<F4>>,
-    rows: Vec<[F4; TERMS]>,
+    rows: Vec<[F4; CYCLIDE]>,
     values: Vec<F4>,
 }
 
 /// What came of four windows.
 pub(super) struct Cyclides {
-    coefficients: [F4; TERMS],
+    coefficients: [F4; CYCLIDE],
     /// Lanes whose surface neither folds nor is far from a sample.
     found: [bool; LANES],
     residual: F4,
@@ -51,11 +49,11 @@ impl CyclideFitter {
     }
 
     #[inline(always)]
-    fn factor(&self, noise: F4) -> Factor<TERMS> {
+    fn factor(&self, noise: F4) -> Factor<CYCLIDE> {
         let mut factor = Factor::new(&Normal::new(&self.rows, &self.values));
-        factor.factor(6);
+        factor.factor(PARABOLOID);
         factor.add_priors(&priors(factor.paraboloid(), noise));
-        factor.factor(TERMS);
+        factor.factor(CYCLIDE);
         factor
     }
 
@@ -87,7 +85,7 @@ impl CyclideFitter {
 }
 
 #[inline(always)]
-fn scaled(mut row: [F4; TERMS], by: F4) -> [F4; TERMS] {
+fn scaled(mut row: [F4; CYCLIDE], by: F4) -> [F4; CYCLIDE] {
     for value in &mut row {
         *value = *value * by;
     }
@@ -119,18 +117,18 @@ impl Kernel for FitLanes<'_> {
             fitter.values.push(p.z * root);
         }
         let mut factor = fitter.factor(noise);
-        let mut coefficients = factor.solve(TERMS);
+        let mut coefficients = factor.solve(CYCLIDE);
         let mut found = abreast.counts.map(|count| count >= LEAST);
         for _ in 0..ROUNDS {
-            let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: TERMS };
-            f.coefficients[..TERMS].copy_from_slice(&coefficients);
+            let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: CYCLIDE };
+            f.coefficients[..CYCLIDE].copy_from_slice(&coefficients);
             let is_sane = fitter.fill(roots, &f);
             found = which(|lane| found[lane] && is_sane[lane]);
             factor = fitter.factor(noise);
-            coefficients = factor.solve(TERMS);
+            coefficients = factor.solve(CYCLIDE);
         }
-        let residual = residual(&fitter.rows, &fitter.values, &coefficients, TERMS);
-        let variance = factor.tensor_variance([TERMS; LANES], TERMS);
+        let residual = residual(&fitter.rows, &fitter.values, &coefficients, CYCLIDE);
+        let variance = factor.tensor_variance([CYCLIDE; LANES], CYCLIDE);
         Cyclides { coefficients, found, residual, variance, counts: abreast.counts }
     }
 }
@@ -139,10 +137,10 @@ impl Cyclides {
     /// The surface of a lane, in the frame it was fitted in; `None` where it folds, is far from a sample, or the samples
     /// are too few.
     pub(super) fn of(&self, lane: usize, frame: Frame) -> Option<Cyclide> {
-        let mut f = Polynomial { coefficients: [0.0; MOST], size: TERMS };
+        let mut f = Polynomial { coefficients: [0.0; MOST], size: CYCLIDE };
         f.coefficients.iter_mut().zip(&self.coefficients).for_each(|(to, from)| *to = from.0[lane]);
         let tensor_variance = self.variance.0[lane] / frame.unit.powi(4);
-        let degrees = self.counts[lane] as f64 - TERMS as f64;
+        let degrees = self.counts[lane] as f64 - CYCLIDE as f64;
         let misfit = self.residual.0[lane] * frame.unit.powi(2) / degrees;
         let is_found = self.found[lane] && misfit.is_finite();
         is_found.then_some(Cyclide { surface: Implicit { frame, f }, tensor_variance, misfit })

@@ -5,6 +5,7 @@
 //! of the factor is that model's factor.
 
 use super::lanes::{F4, LANES, Real};
+use super::polynomial::PARABOLOID;
 
 /// Added to the unit diagonal, so that columns without a part of their own do no harm.
 const RIDGE: f64 = 1e-12;
@@ -127,7 +128,7 @@ impl<const N: usize> Factor<N> {
     /// The coefficients of x^2, xy and y^2 in the model of the first six columns.
     #[inline(always)]
     pub(super) fn paraboloid(&self) -> [F4; 3] {
-        let x = self.solve(6);
+        let x = self.solve(PARABOLOID);
         [x[3], x[4], x[5]]
     }
 

@@ -7,7 +7,7 @@ use super::equations::{Factor, Normal, residual};
 use super::frame::Frame;
 use super::implicit::Implicit;
 use super::lanes::{F4, Kernel, LANES, Real, V3, run, which};
-use super::polynomial::{MOST, Polynomial, SIZES, basis, basis_along};
+use super::polynomial::{CYCLIDE, MOST, PARABOLOID, PLANE, Polynomial, SIZES, basis, basis_along};
 use super::prior::priors;
 use super::quantum::Quantum;
 use super::shape::{half_angle, tangents};
@@ -41,10 +41,13 @@ pub(super) enum Outcome {
     None,
 }
 
-/// Terms of the largest basis that every window tries, and of the one that only some do.
-const SIMPLE: usize = 13;
 /// Below this least eigenvalue the vertices do not determine a paraboloid.
 const SINGULAR: f64 = 1e-10;
+/// Variance of rounded samples, in squares of the largest error that rounding may leave: a third at most, and less for
+/// coordinates nearer to zero.
+const ROUNDED: f64 = 0.09;
+/// That of the arithmetic, in units of the window squared.
+const ARITHMETIC: f64 = 1e-26;
 /// Weight of a row that asks for a straight ruling, against one for a vertex.
 const RULING_WEIGHT: f64 = 1e-3;
 
@@ -61,7 +64,7 @@ struct Samples {
     points: Vec<V3<F4>>,
     normals: Vec<V3<F4>>,
     values: Vec<F4>,
-    rows: Vec<[F4; SIMPLE]>,
+    rows: Vec<[F4; CYCLIDE]>,
     wide_rows: Vec<[F4; MOST]>,
 }
 
@@ -123,12 +126,12 @@ impl Kernel for FitLanes<'_> {
         let frames = samples.enter(batch);
         let around = |lane: usize| quantum.around(batch.centres[lane], frames.unit.0[lane]);
         let rounding = F4([around(0), around(1), around(2), around(3)]) / frames.unit;
-        let floor = count * (rounding * rounding * 0.09 + F4::splat(1e-26));
+        let floor = count * (rounding * rounding * ROUNDED + F4::splat(ARITHMETIC));
         let normal = samples.equations(batch, &frames);
         let mut factor = Factor::new(&normal);
-        factor.factor(6);
+        factor.factor(PARABOLOID);
 
-        let plane = factor.solve(3);
+        let plane = factor.solve(PLANE);
         let (mut farthest, mut radius) = (F4::ZERO, F4::ZERO);
         for p in &samples.points {
             farthest = farthest.max((p.z - plane[0] - plane[1] * p.x - plane[2] * p.y).abs());
@@ -149,22 +152,22 @@ impl Kernel for FitLanes<'_> {
         if !fits.is_flat.contains(&false) {
             return fits;
         }
-        let least = factor.least_eigenvalue(6);
+        let least = factor.least_eigenvalue(PARABOLOID);
         fits.needs_rulings = which(|i| least.0[i] < SINGULAR && batch.rulings[i].is_empty());
         factor.add_priors(&priors(factor.paraboloid(), rounding));
-        factor.factor(SIMPLE);
+        factor.factor(CYCLIDE);
         let mut models = [Model::ZERO; 4];
         for (m, model) in models.iter_mut().enumerate() {
             let coefficients = factor.solve(SIZES[m]);
             model.residual = residual(&samples.rows, &samples.values, &coefficients, SIZES[m]);
             model.cost = (model.residual + floor) * penalties[m];
-            model.coefficients[..SIMPLE].copy_from_slice(&coefficients);
+            model.coefficients[..CYCLIDE].copy_from_slice(&coefficients);
         }
         let reach = batch.reaches / frames.unit;
         let simple = Chosen::among(&models, &fits.is_flat, &Sanity { samples, reach });
         let degrees = count - F4::of(simple.sizes, |s| s as f64);
         fits.deviation = ((simple.residual + floor) / degrees).sqrt();
-        fits.error = fits.deviation * factor.tensor_variance(simple.sizes, SIMPLE).sqrt();
+        fits.error = fits.deviation * factor.tensor_variance(simple.sizes, CYCLIDE).sqrt();
         (fits.simple, fits.surface) = (simple, simple);
 
         let wants_more = which(|i| {
@@ -200,7 +203,7 @@ impl Fits {
         let frame = Frame { origin: batch.centres[lane], axes, unit };
         let (radius, coverage) = (self.radius.0[lane] * unit, batch.coverage[lane]);
         if self.is_flat[lane] {
-            let mut simple = Polynomial { coefficients: [0.0; MOST], size: 3 };
+            let mut simple = Polynomial { coefficients: [0.0; MOST], size: PLANE };
             simple.coefficients.iter_mut().zip(&self.plane).for_each(|(to, from)| *to = from.0[lane]);
             let surface = Implicit { frame, f: simple };
             // Whatever bends less than rounding does looks flat.
@@ -208,7 +211,7 @@ impl Fits {
             let (misfit, error) = (rounding * unit, rounding / unit);
             return Outcome::Fitted(Fit { surface, simple, radius, coverage, misfit, error });
         }
-        if batch.counts[lane] < 6 + 2 {
+        if batch.counts[lane] < PARABOLOID + 2 {
             return Outcome::None;
         }
         if self.needs_rulings[lane] {
@@ -220,7 +223,7 @@ impl Fits {
         let surface = Implicit { frame, f: self.surface.polynomial(lane) };
         let simple = self.simple.polynomial(lane);
         let misfit = self.deviation.0[lane] * unit;
-        let error = if surface.f.size < 6 { 0.0 } else { self.error.0[lane] / unit };
+        let error = if surface.f.size < PARABOLOID { 0.0 } else { self.error.0[lane] / unit };
         Outcome::Fitted(Fit { surface, simple, radius, coverage, misfit, error })
     }
 }
@@ -263,7 +266,7 @@ impl Samples {
 
     /// The normal equations of the simple bases, with rulings if there are any.
     #[inline(always)]
-    fn equations(&mut self, batch: &Batch, frames: &Frames) -> Normal<SIMPLE> {
+    fn equations(&mut self, batch: &Batch, frames: &Frames) -> Normal<CYCLIDE> {
         self.rows.clear();
         for (i, &p) in self.points.iter().enumerate() {
             self.rows.push(basis(p, is_inside(batch, i)));
@@ -282,7 +285,7 @@ impl Samples {
         }
         let normal = Normal::new(&self.wide_rows, &self.values);
         let mut factor = Factor::new(&normal);
-        factor.factor(6);
+        factor.factor(PARABOLOID);
         factor.add_priors(&priors(factor.paraboloid(), rounding));
         factor.factor(MOST);
         let coefficients = factor.solve(MOST);
@@ -304,8 +307,10 @@ struct Sanity<'s> {
 impl Check for Sanity<'_> {
     #[inline(always)]
     fn passes(&self, f: &Polynomial<F4>) -> [bool; LANES] {
+        /// Square of the least slope of F within the window, in slopes at its middle.
+        const LEAST_SLOPE: f64 = 0.3 * 0.3;
         let middle = f.gradient(V3::ZERO);
-        let least = middle.dot(middle) * 0.09;
+        let least = middle.dot(middle) * LEAST_SLOPE;
         let (mut slope, mut facing, mut turned) = (F4::splat(f64::INFINITY), F4::splat(0.0), F4::splat(0.0));
         for (&p, &normal) in self.samples.points.iter().zip(&self.samples.normals) {
             let gradient = f.gradient(p);

@@ -6,7 +6,7 @@
 use super::ground::{Ground, sound_normals};
 use super::sites::Sites;
 use super::stars::{CROWDED, Lists, half_edges};
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Vertex};
+use crate::mesh::{Face, HalfEdge, Vertex};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -47,7 +47,7 @@ impl<'g> Fans<'g> {
         let split = (!divided.is_empty()).then(|| Split::new(ground, &divided));
         let corners = split.as_ref().map_or(ground.mesh.topology().faces(), |split| &split.corners);
         let fans = count as usize + split.as_ref().map_or(0, |split| split.vertices.len());
-        let is_sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;
+        let is_sound = |f: &u32| ground.mesh.is_sound(Face(*f));
         let to_own = ground.mesh.own_frame().map_or(DMat3::IDENTITY, |(_, axes, _)| axes.transpose());
         let least = |f: u32| {
             let [a, b, c] = ground.mesh.triangle(Face(f)).map(|p| (to_own * p).to_array());
@@ -211,7 +211,7 @@ fn split_star(ground: &Ground<'_>, vertex: Vertex, corners: &mut [[u32; 3]], ver
             let mut h = first;
             // Of a star with too many faces, each part is a fan: time for a window is bounded.
             for _ in 0..CROWDED / 2 {
-                let Some(twin) = topology.twin(h).filter(|_| is_open(ground, h)) else { break };
+                let Some(twin) = topology.twin(h).filter(|_| ground.is_open(h)) else { break };
                 let Some((f, c)) = corner(twin.face().0).filter(|&(f, c)| corners[f][c] == NONE) else { break };
                 corners[f][c] = fan;
                 // Of the other two sides the one that ends at the vertex too.
@@ -223,14 +223,6 @@ fn split_star(ground: &Ground<'_>, vertex: Vertex, corners: &mut [[u32; 3]], ver
     }
     // The number after the last one has not been given.
     vertices.pop();
-}
-
-fn is_open(ground: &Ground<'_>, h: HalfEdge) -> bool {
-    match ground.mesh.edge_kind(h) {
-        EdgeKind::Inner => true,
-        EdgeKind::Feature => ground.over_features,
-        EdgeKind::Boundary | EdgeKind::NonManifold => false,
-    }
 }
 
 /// The fans at the ends of a half-edge, as neighbours of each other; the second way round only where the face across

@@ -9,7 +9,7 @@ use super::first::Quality;
 use super::ground::Ground;
 use super::quantum::Quantum;
 use crate::curvature::{FaceClass, FaceCurvature, Method};
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::DVec3;
 
 /// Vertices of a flat lie in its plane to this many times the rounding of coordinates.
@@ -25,6 +25,8 @@ const LARGE: (f64, f64) = (4.0, 0.4);
 const STRAIGHT: f64 = 0.25;
 /// Share of the folds around a flat, by length, that must be so.
 const MOST: f64 = 0.6;
+/// No flat's number: each has that of its first face.
+const NONE: u32 = u32::MAX;
 
 /// Gives faces no window explains the curvature of their plane, zero, where the folds around it say so.
 pub(super) fn settle(ground: &Ground<'_>, quantum: &Quantum, quality: &[Quality], out: &mut [FaceCurvature]) {
@@ -32,13 +34,13 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: &Quantum, quality: &[Quality]
     let is_open = |f: Face, out: &[FaceCurvature]| {
         quality[f.index()].is_open() && !is_sliver(mesh, f, quantum) && !matches!(out[f.index()].method, Method::Strip)
     };
-    let mut seen = vec![false; mesh.face_count()];
+    let mut flat_of = vec![NONE; mesh.face_count()];
     let (mut flat, mut folds, mut settled) = (Vec::new(), Vec::new(), Vec::<Face>::new());
     for seed in (0..mesh.face_count() as u32).map(Face) {
-        if seen[seed.index()] || !is_open(seed, out) {
+        if flat_of[seed.index()] != NONE || !is_open(seed, out) {
             continue;
         }
-        collect(mesh, seed, quantum, &mut seen, &mut flat, &mut folds);
+        collect(mesh, seed, quantum, &mut flat_of, &mut flat, &mut folds);
         if is_tangent_to_neighbours(mesh, &flat, &folds, quality, out) {
             settled.extend(flat.iter().filter(|&&face| is_open(face, out)));
         }
@@ -54,7 +56,7 @@ fn collect(
     mesh: &Mesh,
     seed: Face,
     quantum: &Quantum,
-    seen: &mut [bool],
+    flat_of: &mut [u32],
     flat: &mut Vec<Face>,
     folds: &mut Vec<HalfEdge>,
 ) {
@@ -68,7 +70,7 @@ fn collect(
         let rounding = ROUNDING * quantum.around(origin, distance);
         (p - origin).dot(normal).abs() <= rounding * (1.0 + distance / size) + PARALLEL * distance
     };
-    seen[seed.index()] = true;
+    flat_of[seed.index()] = seed.0;
     let mut next = 0;
     while let Some(&face) = flat.get(next) {
         next += 1;
@@ -82,8 +84,12 @@ fn collect(
             let is_level = is_sliver || is_coplanar(mesh, h, twin, quantum);
             if !is_level || !is_near(mesh.position(mesh.topology().apex(twin))) {
                 folds.push(h);
-            } else if !std::mem::replace(&mut seen[other.index()], true) {
+            } else if flat_of[other.index()] == NONE {
+                flat_of[other.index()] = seed.0;
                 flat.push(other);
+            } else if flat_of[other.index()] != seed.0 {
+                // A sliver at a fold hangs together with the flats on both sides of it.
+                folds.push(h);
             }
         }
     }
@@ -91,8 +97,7 @@ fn collect(
 
 /// True where the normal of a face is that of rounding.
 fn is_sliver(mesh: &Mesh, face: Face, quantum: &Quantum) -> bool {
-    mesh.face_state(face) != FaceState::Sound
-        || mesh.least_height(face) <= ROUNDING * quantum.around(mesh.barycentre(face), 0.0)
+    !mesh.is_sound(face) || mesh.least_height(face) <= ROUNDING * quantum.around(mesh.barycentre(face), 0.0)
 }
 
 /// True where rounding explains all that a fold turns.

@@ -5,7 +5,7 @@ use super::stars::Stars;
 use super::width::typical_width;
 use super::window::scaled_normal;
 use super::work::Work;
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -34,6 +34,16 @@ impl<'m> Ground<'m> {
     pub(super) fn position(&self, vertex: u32) -> DVec3 {
         self.mesh.positions()[vertex as usize]
     }
+
+    /// True where windows reach over an edge.
+    #[inline]
+    pub(super) fn is_open(&self, h: HalfEdge) -> bool {
+        match self.mesh.edge_kind(h) {
+            EdgeKind::Inner => true,
+            EdgeKind::Feature => self.over_features,
+            EdgeKind::Boundary | EdgeKind::NonManifold => false,
+        }
+    }
 }
 
 fn vertex_normals(mesh: &Mesh, blocks: &Blocks, width: f64) -> Vec<Vec3> {
@@ -58,6 +68,6 @@ fn vertex_normals(mesh: &Mesh, blocks: &Blocks, width: f64) -> Vec<Vec3> {
 /// too.
 pub(super) fn sound_normals(mesh: &Mesh, faces: Range<u32>, width: f64) -> impl Iterator<Item = (Face, Vec3)> {
     let scale = 1.0 / width;
-    let sound = faces.map(Face).filter(|&f| mesh.face_state(f) == FaceState::Sound);
+    let sound = faces.map(Face).filter(|&f| mesh.is_sound(f));
     sound.map(move |f| (f, (scaled_normal(mesh, f) * scale).as_vec3()))
 }

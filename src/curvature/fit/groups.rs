@@ -3,7 +3,7 @@
 //! A fit serves the faces within a step or two of its own. Taken in the order of faces, each group would find half of its
 //! surroundings taken; so of the faces within reach, the one is fitted that most open ones are around.
 
-use crate::mesh::{EdgeKind, Face, FaceState, Mesh};
+use crate::mesh::{EdgeKind, Face, Mesh};
 use std::ops::Range;
 
 /// Faces of one range, as those who share their fits are taken from it. Reused from range to range.
@@ -48,7 +48,7 @@ impl Groups {
     pub(super) fn open(&mut self, mesh: &Mesh, faces: Range<u32>) {
         debug_assert!(faces.len() <= usize::from(NONE));
         (self.start, self.next) = (faces.start, 0);
-        let is_sound = |f: Face| mesh.face_state(f) == FaceState::Sound;
+        let is_sound = |f: Face| mesh.is_sound(f);
         self.open.clear();
         self.open.extend(faces.clone().map(|f| is_sound(Face(f))));
         let near = |h| {

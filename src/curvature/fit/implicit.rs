@@ -3,7 +3,7 @@
 use super::foot::Foot;
 use super::frame::Frame;
 use super::lanes::{F4, Real};
-use super::polynomial::{MOST, Polynomial};
+use super::polynomial::{CYCLIDE, MOST, Polynomial};
 use super::shape::Shape;
 use glam::DVec3;
 
@@ -30,12 +30,12 @@ impl Implicit {
         Foot::of(&self.f, self.frame.to_local(point).into()).in_space(&self.frame)
     }
 
-    /// F of 13 terms, for points side by side.
+    /// A cyclide, for points side by side.
     #[inline(always)]
     pub(super) fn side_by_side(&self) -> Polynomial<F4> {
-        const TERMS: usize = 13;
-        let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: TERMS };
-        for (to, &from) in f.coefficients[..TERMS].iter_mut().zip(&self.f.coefficients) {
+        debug_assert!(self.f.size <= CYCLIDE, "no cyclide");
+        let mut f = Polynomial { coefficients: [F4::ZERO; MOST], size: CYCLIDE };
+        for (to, &from) in f.coefficients[..CYCLIDE].iter_mut().zip(&self.f.coefficients) {
             *to = F4::splat(from);
         }
         f

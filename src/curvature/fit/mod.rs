@@ -55,9 +55,9 @@ mod width;
 mod window;
 mod work;
 
-use super::{CurvatureOptions, FaceClass, FaceCurvature, Method};
+use super::{CurvatureOptions, FaceClass, FaceCurvature, Method, Radius};
 use crate::disk::{Disk, Frame as DiskFrame};
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use crate::progress::Progress;
 use batch::WANTED;
 use fans::Fans;
@@ -66,6 +66,7 @@ use glam::Vec3;
 use ground::Ground;
 use lanes::LANES;
 use patches::Blended;
+use polynomial::PLANE;
 use quantum::{Quantum, quantum};
 use rayon::prelude::*;
 use shape::Principal;
@@ -103,10 +104,10 @@ pub(super) fn estimate(
         return freely(mesh, options, &work, out);
     }
     let values = within(mesh, options, radius, &work);
-    let is_open =
-        |(f, value): (usize, &Option<_>)| value.is_none() && mesh.face_state(Face(f as u32)) == FaceState::Sound;
+    let is_open = |(f, value): (usize, &Option<_>)| value.is_none() && mesh.is_sound(Face(f as u32));
     if values.par_iter().enumerate().any(is_open) {
-        freely(mesh, options, &work, out);
+        // What the radius says nothing of has the value it has without one.
+        freely(mesh, &CurvatureOptions { radius: Radius::Auto, ..*options }, &work, out);
     }
     out.par_iter_mut().zip(values).for_each(|(out, value)| {
         if let Some((value, coverage)) = value {
@@ -132,7 +133,7 @@ fn within(
         ground = Ground::new(mesh, true, work);
     }
     let fans = Fans::new(&ground);
-    if shared::pays(mesh, &radius) {
+    if shared::pays(&ground, &radius) {
         return shared::estimate(&fans, &quantum, radius);
     }
     let mut values = vec![None; mesh.face_count()];
@@ -141,7 +142,7 @@ fn within(
         |steady, (chunk, values)| {
             let start = chunk * CHUNK;
             let faces = (start..start + values.len()).map(|f| Face(f as u32));
-            let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
+            let sound = faces.filter(|&face| mesh.is_sound(face));
             let wanted: Vec<(Face, f64)> = sound.filter_map(|face| Some((face, radius(face)?))).collect();
             for four in wanted.chunks(LANES) {
                 for ((face, _), fitted) in four.iter().zip(steady.within(four, &quantum)) {
@@ -160,7 +161,7 @@ fn freely(mesh: &Mesh, options: &CurvatureOptions, work: &Work<'_>, out: &mut [F
     let ground = Ground::new(mesh, false, work);
     let quantum = quantum(mesh, ground.width);
     let worker = || Worker::new(&ground, options, quantum);
-    if noise::is_all_over(mesh, &mut worker()) {
+    if mesh.face_count() >= noise::MANY && noise::is_everywhere(mesh, &mut worker()) {
         return noise::estimate(&ground, options, worker, out);
     }
     let mut quality = vec![Quality::NO_FIT; out.len()];
@@ -170,7 +171,8 @@ fn freely(mesh: &Mesh, options: &CurvatureOptions, work: &Work<'_>, out: &mut [F
         worker.first(start..start + out.len() as u32, out, quality);
         work.advance(out.len() as u64);
     });
-    if quality.par_iter().any(Quality::is_open) {
+    let is_open = |(f, quality): (usize, &Quality)| quality.is_open() && mesh.is_sound(Face(f as u32));
+    if quality.par_iter().enumerate().any(is_open) {
         look_aside(&ground, quantum, worker, &mut quality, out);
     }
     let doubtful: Vec<bool> = out.par_iter().zip(&quality).map(noise::is_doubtful).collect();
@@ -254,15 +256,15 @@ impl<'g> Worker<'g> {
     fn one_sided(&mut self, face: Face, quality: &[Quality]) -> Option<FaceCurvature> {
         let (ground, mesh) = (self.ground, self.ground.mesh);
         self.window.start(mesh, face);
-        self.window.grow_to(mesh, &ground.stars, false, WANTED);
-        self.window.add_ring(mesh, &ground.stars, false);
+        self.window.grow_to(ground, WANTED);
+        self.window.add_ring(ground);
         let own = quality[face.index()].misfit;
         let others = one_sided::candidates(mesh, mesh.barycentre(face), own, &self.window.faces, quality);
         others.chunks(LANES).find_map(|others| {
             let fits = self.surveyor.fits(others);
             fits.iter().zip(others).find_map(|(fit, &g)| {
                 let fit = fit.as_ref()?;
-                let is_honest = fit.simple.size == 3 || !one_sided::is_mostly_plane(mesh, g, &self.window, fit);
+                let is_honest = fit.simple.size == PLANE || !one_sided::is_mostly_plane(mesh, g, &self.window, fit);
                 let is_near = mesh.barycentre(face).distance(fit.surface.frame.origin) <= fit.radius;
                 if !is_honest || !is_near || !one_sided::lies_on(fit, mesh.triangle(face)) {
                     return None;
@@ -306,7 +308,8 @@ fn value_from(p: &Principal, radius: f64, options: &CurvatureOptions) -> FaceCur
     }
 }
 
-/// What a window cannot tell, however well it is explained: a surface that turns by half a circle from the middle to the rim.
+/// What is added to the expected error of a window's shape tensor, however well the window is explained: as much as the
+/// curvature itself where the surface turns by half a circle from the middle to the rim.
 fn unseen(principal: &Principal, radius: f64) -> f64 {
     let bend = principal.size();
     bend * (bend * radius / PI).powi(8)

@@ -186,7 +186,7 @@ mod tests {
         let c = factor.solve(WIDEST);
         assert!(c.iter().zip(wanted).all(|(got, wanted)| (got.0[2] - wanted).abs() < 1e-8), "{c:?}");
         assert!(samples.residual(HIGHEST, &c).0[1] < 1e-14);
-        // The best cubic leaves what is upright on all its terms.
+        // The best cubic leaves what is perpendicular to all its terms.
         let cubic = factor.solve(terms(3));
         let mut left = [0.0; terms(3)];
         let mut total = 0.0;

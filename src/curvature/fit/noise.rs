@@ -8,20 +8,19 @@ use super::rough::{self, Noise};
 use super::samples::Sampler;
 use super::{CHUNK, Worker, blended_value, scale, seeds, steady};
 use crate::curvature::{CurvatureOptions, FaceCurvature, Method};
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
+
+/// Share of doubtful faces from which on noise is what the surface has in common; below, the rest of it is clean.
+const WIDESPREAD: f64 = 0.5;
 
 /// True where the values of a face may be off because no surface explains its window.
 pub(super) fn is_doubtful((value, quality): (&FaceCurvature, &Quality)) -> bool {
     quality.is_doubtful && value.method == Method::Fit
 }
 
-/// True for large surfaces of which nearly all windows are noisy.
-pub(super) fn is_all_over(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
-    /// Fewer faces are looked at one by one.
-    const LEAST: usize = 20_000;
-    mesh.face_count() >= LEAST && is_everywhere(mesh, worker)
-}
+/// Faces from which on a look at some of them may spare the look at all.
+pub(super) const MANY: usize = 20_000;
 
 /// True where nearly all windows are noisy, as faces here and there tell.
 pub(super) fn is_everywhere(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
@@ -30,7 +29,7 @@ pub(super) fn is_everywhere(mesh: &Mesh, worker: &mut Worker<'_>) -> bool {
     LOOKS.into_iter().all(|(count, least)| {
         let faces = (0..mesh.face_count()).step_by((mesh.face_count() / count).max(1)).map(|f| f as u32);
         let (mut fitted, mut doubtful) = (0, 0);
-        for f in faces.filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound) {
+        for f in faces.filter(|&f| mesh.is_sound(Face(f))) {
             let mut value = FaceCurvature::NOT_ESTIMATED;
             let quality = worker.first_of(Face(f), &mut value);
             fitted += usize::from(value.method == Method::Fit);
@@ -48,7 +47,7 @@ pub(super) fn estimate<'g>(
     out: &mut [FaceCurvature],
 ) {
     let mesh = ground.mesh;
-    let is_sound = |face: Face| mesh.face_state(face) == FaceState::Sound;
+    let is_sound = |face: Face| mesh.is_sound(face);
     // To fit small windows around every face would be in vain: only how much of them is there is told.
     out.par_chunks_mut(CHUNK).enumerate().for_each_init(&worker, |worker, (chunk, out)| {
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(&mut *out);
@@ -76,8 +75,9 @@ pub(super) fn settle(ground: &Ground<'_>, options: &CurvatureOptions, doubtful: 
         return;
     }
     let mut wanted = doubtful;
-    let is_everywhere = 2 * count > out.iter().filter(|value| value.is_estimated()).count();
-    if is_everywhere {
+    let estimated = out.iter().filter(|value| value.is_estimated()).count();
+    let is_widespread = count as f64 > WIDESPREAD * estimated as f64;
+    if is_widespread {
         // Noise makes some edges sharp, and leaves faces between them that nothing can be fitted to.
         let is_fine = scale::is_fine(ground.mesh);
         for (wanted, value) in wanted.iter_mut().zip(&mut *out) {
@@ -85,7 +85,7 @@ pub(super) fn settle(ground: &Ground<'_>, options: &CurvatureOptions, doubtful: 
             doubt_the_lone(value);
         }
     }
-    look_wider(ground, options, &wanted, is_everywhere, out);
+    look_wider(ground, options, &wanted, is_widespread, out);
 }
 
 /// A face alone between edges that noise has made sharp: its plane says nothing.
@@ -95,52 +95,65 @@ fn doubt_the_lone(value: &mut FaceCurvature) {
     }
 }
 
-/// Replaces the values that are `wanted` by what larger windows say, where they say anything. Where a fine mesh is noisy
-/// everywhere, sharp edges are noise too if they leave no room for a window.
+/// Replaces the values that are `wanted` by what larger windows say, where they say anything.
 fn look_wider(
     ground: &Ground<'_>,
     options: &CurvatureOptions,
     wanted: &[bool],
-    is_everywhere: bool,
+    is_widespread: bool,
     out: &mut [FaceCurvature],
 ) {
-    /// Vertices without which there is no window.
-    const LEAST: usize = 13;
     let seeds = seeds::seeds(ground, wanted);
     let fans = Fans::new(ground);
-    let kind = rough::judge(&fans, &seeds, is_everywhere);
-    let is_rough = kind == Noise::Rough;
-    let values = if is_rough { Vec::new() } else { scale::estimate(&fans, &seeds, wanted, kind) };
-    let mut left = wanted.to_vec();
-    let replace = |values: Vec<Option<Blended>>, method: Method, left: &mut [bool], out: &mut [FaceCurvature]| {
-        for ((out, value), left) in out.iter_mut().zip(values).zip(left) {
-            if let Some(value) = value.filter(|_| std::mem::replace(left, false)) {
-                *out = blended_value(out.coverage.into(), &value, method, options);
-            }
+    let kind = rough::judge(&fans, &seeds, is_widespread);
+    let mut left = Left { wanted: wanted.to_vec(), options };
+    if kind == Noise::Rough {
+        if is_widespread {
+            // Faces that fit by chance would stand out among the others.
+            left.wanted.iter_mut().zip(&*out).for_each(|(wanted, value)| *wanted |= value.is_estimated());
         }
-    };
-    replace(values, Method::Patches, &mut left, out);
-    if is_rough && is_everywhere {
-        // Faces that fit by chance would stand out among the others.
-        left.iter_mut().zip(&*out).for_each(|(left, value)| *left |= value.is_estimated());
-    } else if !is_rough {
-        if !is_everywhere || !scale::is_fine(ground.mesh) {
-            return;
-        }
-        let mut sampler = Sampler::new(&fans);
-        let mut is_cut_off = |f: usize| sampler.is_cut_off(Face(f as u32), LEAST);
-        left.iter_mut().enumerate().for_each(|(f, left)| *left = *left && is_cut_off(f));
-        if !left.contains(&true) {
-            return;
+        drop(fans);
+        // Sharp edges are rough, too.
+        let ground = Ground::new(ground.mesh, true, ground.work);
+        let fans = Fans::new(&ground);
+        let window = rough::window(&fans, &left.wanted);
+        return left.replace(steady::around_vertices(&fans, window, &left.wanted), Method::Window, out);
+    }
+    left.replace(scale::estimate(&fans, &seeds, wanted, kind), Method::Patches, out);
+    if is_widespread && scale::is_fine(ground.mesh) {
+        // Noise has made edges sharp that leave no room for a window.
+        left.keep_cut_off(&fans);
+        drop(fans);
+        if left.wanted.contains(&true) {
+            let ground = Ground::new(ground.mesh, true, ground.work);
+            let seeds = seeds::seeds(&ground, &left.wanted);
+            left.replace(scale::estimate(&Fans::new(&ground), &seeds, &left.wanted, kind), Method::Patches, out);
         }
     }
-    drop(fans);
-    let ground = Ground::new(ground.mesh, true, ground.work);
-    let fans = Fans::new(&ground);
-    if is_rough {
-        replace(steady::around_vertices(&fans, rough::window(&fans)), Method::Window, &mut left, out);
-    } else {
-        let values = scale::estimate(&fans, &seeds::seeds(&ground, &left), &left, kind);
-        replace(values, Method::Patches, &mut left, out);
+}
+
+/// Faces whose values larger windows are to replace.
+struct Left<'o> {
+    wanted: Vec<bool>,
+    options: &'o CurvatureOptions,
+}
+
+impl Left<'_> {
+    fn replace(&mut self, values: Vec<Option<Blended>>, method: Method, out: &mut [FaceCurvature]) {
+        for ((out, value), wanted) in out.iter_mut().zip(values).zip(&mut self.wanted) {
+            if let Some(value) = value.filter(|_| std::mem::replace(wanted, false)) {
+                *out = blended_value(out.coverage.into(), &value, method, self.options);
+            }
+        }
+    }
+
+    /// Of these only the ones between whose sharp edges and borders there are too few vertices for a window.
+    fn keep_cut_off(&mut self, fans: &Fans<'_>) {
+        /// Samples of a cubic, with some to spare.
+        const LEAST: usize = 13;
+        let mut sampler = Sampler::new(fans);
+        for (f, wanted) in self.wanted.iter_mut().enumerate().filter(|(_, wanted)| **wanted) {
+            *wanted = sampler.is_cut_off(Face(f as u32), LEAST);
+        }
     }
 }

@@ -17,8 +17,14 @@ use glam::DMat3;
 
 /// The sizes of the nested bases.
 pub(super) const SIZES: [usize; 5] = [3, 6, 9, 13, 22];
-/// Functions in the largest basis.
-pub(super) const MOST: usize = 22;
+/// Of that of planes.
+pub(super) const PLANE: usize = SIZES[0];
+/// Of that of paraboloids.
+pub(super) const PARABOLOID: usize = SIZES[1];
+/// Of that of Darboux cyclides.
+pub(super) const CYCLIDE: usize = SIZES[3];
+/// Of the largest one.
+pub(super) const MOST: usize = SIZES[4];
 
 /// The coefficients of a function; those from `size` on are zero and cost nothing.
 #[derive(Clone, Copy, Debug)]
@@ -271,7 +277,7 @@ impl<T: Real> Symmetric<T> {
         Symmetric { xx: xx * by, xy: xy * by, yy: yy * by, xz: xz * by, yz: yz * by, zz: zz * by }
     }
 
-    /// What is left of it in the plane that stands upright on a unit vector.
+    /// What is left of it in the plane perpendicular to a unit vector.
     #[inline(always)]
     pub(super) fn projected(self, n: V3<T>) -> Self {
         let along = self.times(n);

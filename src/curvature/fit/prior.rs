@@ -2,8 +2,9 @@
 //! surface bending as this one does has no use for stay small.
 
 use super::lanes::Real;
+use super::polynomial::PARABOLOID;
 
-/// Curvature, in turns per window, below which priors do not get any narrower.
+/// Radians that the surface turns by over the window, below which priors do not get any narrower.
 const LEAST_BEND: f64 = 0.03;
 
 /// What to add to the diagonal of the normal equations in each column, from the coefficients of the
@@ -16,7 +17,7 @@ pub(super) fn priors<T: Real, const N: usize>([a, b, c]: [T; 3], noise: T) -> [T
     let second = first / (bend * bend);
     let third = second / (bend * bend);
     let mut priors = [T::splat(0.0); N];
-    for (column, prior) in priors.iter_mut().enumerate().skip(6) {
+    for (column, prior) in priors.iter_mut().enumerate().skip(PARABOLOID) {
         *prior = match column {
             6..=8 => first,
             9..=16 => second,

@@ -2,11 +2,12 @@
 
 use super::abreast::Abreast;
 use super::chord::{ChordFits, ChordFitter};
-use super::cyclide::{Cyclide, CyclideFitter, TERMS as CYCLIDE_TERMS};
+use super::cyclide::{Cyclide, CyclideFitter};
 use super::fans::Fans;
 use super::frame::Frame;
 use super::lanes::{F4, LANES};
 use super::patches::{Patch, Surface, by_chunk};
+use super::polynomial::CYCLIDE;
 use super::samples::Sampler;
 use crate::mesh::Face;
 use glam::{DMat3, DVec3};
@@ -33,9 +34,10 @@ pub(super) struct Probe {
     pub(super) noise: f64,
     /// Mean edge, nearly.
     pub(super) spacing: f64,
-    /// Numbers of the seeds around, itself the first.
+    /// Numbers of the seeds around, the nearest first: itself, unless its face is longer than the window, and gets no
+    /// choice then.
     pub(super) neighbours: Vec<u32>,
-    /// Of the largest window so far.
+    /// The frame of the largest window so far.
     pub(super) frame: Option<Frame>,
     /// False where a larger window would be in vain.
     goes_on: bool,
@@ -66,7 +68,7 @@ pub(super) struct Choice {
     pub(super) noise: f64,
     /// True where noise is alike at neighbouring samples.
     pub(super) is_alike: bool,
-    /// To begin with.
+    /// The frame to begin with.
     pub(super) frame: Option<Frame>,
 }
 
@@ -211,7 +213,7 @@ pub(super) fn spread(level: usize, around: f64) -> f64 {
 /// What a fit to a window leaves of detail, in units of its variance from the noise alone: what is not explained bends
 /// the fit as a whole, not sample by sample. A misfit that is greater than the noise by a share of `chance` tells nothing.
 pub(super) fn unexplained(misfit: f64, noise: f64, level: usize, chance: f64) -> f64 {
-    (misfit / noise - (1.0 + chance)).max(0.0) * LEVELS[level] as f64 / CYCLIDE_TERMS as f64
+    (misfit / noise - (1.0 + chance)).max(0.0) * LEVELS[level] as f64 / CYCLIDE as f64
 }
 
 /// The nearest seeds among the faces a sampler has gathered, at most 16.

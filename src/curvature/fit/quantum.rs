@@ -18,9 +18,10 @@ const FAR: f64 = 1e3;
 pub(super) struct Quantum {
     /// What the mesh's positions are relative to.
     origin: DVec3,
-    /// Of floats of size one.
+    /// The rounding of floats of size one.
     of_one: f64,
-    /// Of the decimals; of floats as large as the mesh, since whatever computes with such leaves as much also near zero.
+    /// That of the decimals; otherwise that of floats as large as the mesh, because a program that computed with such floats
+    /// has left as much near zero, too.
     least: f64,
 }
 

@@ -31,7 +31,7 @@ pub(super) enum Noise {
 
 /// What the median of some seeds says. Only where all faces are wanted can noise be alike: elsewhere the detail of
 /// clean parts looks the same.
-pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noise {
+pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_widespread: bool) -> Noise {
     /// Noise in edges below which a surface is not rough.
     const LEAST_NOISE: f64 = 0.013;
     /// Least growth of the deviation from the first level to the fourth.
@@ -42,7 +42,7 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
     /// Least growth of the deviation from the first level to the fourth by noise that is alike: it has 1.9 and more,
     /// independent noise up to 1.2.
     const ALIKE_GROWTH: f64 = 1.5;
-    let other = if is_everywhere { Noise::Independent } else { Noise::Local };
+    let other = if is_widespread { Noise::Independent } else { Noise::Local };
     if !is_fine(fans.ground.mesh) {
         return other;
     }
@@ -64,7 +64,7 @@ pub(super) fn judge(fans: &Fans<'_>, seeds: &[Face], is_everywhere: bool) -> Noi
         return Noise::Rough;
     }
     let is_smooth = (second / noise).powi(2) >= SMOOTH;
-    let is_alike = is_everywhere && !is_smooth && fourth.min(cyclide) >= ALIKE_GROWTH * noise;
+    let is_alike = is_widespread && !is_smooth && fourth.min(cyclide) >= ALIKE_GROWTH * noise;
     if is_alike { Noise::Alike } else { other }
 }
 
@@ -73,17 +73,17 @@ pub(super) const WINDOW: usize = 120;
 /// Radians from the middle of such a window to its rim, in the median.
 const TURN: f64 = 0.8;
 
-/// Vertices in every window of a rough surface. No scale stands out on it, but the more closely it was sampled, the less it
+/// Vertices in every window of the `wanted` faces, which are rough. No scale stands out on it, but the more closely it was sampled, the less it
 /// turns over a window of so many vertices. So windows are the wider the less it turns, and a scan of half as many faces
 /// gets windows of nearly the same width.
-pub(super) fn window(fans: &Fans<'_>) -> usize {
+pub(super) fn window(fans: &Fans<'_>, wanted: &[bool]) -> usize {
     /// Smaller windows show the noise.
     const LEAST: f64 = 48.0;
     /// Where nothing turns, windows would have no end.
     const MOST: f64 = 10_000.0;
     /// Places that are looked at.
     const LOOKS: usize = 5000;
-    let turns: Vec<f64> = scattered(fans.ground, LOOKS)
+    let turns: Vec<f64> = scattered(fans.ground, wanted, LOOKS)
         .par_chunks(LANES)
         .map_init(|| Steady::new(fans), |steady, four| steady.around_faces(four, WINDOW))
         .flatten_iter()

@@ -3,6 +3,7 @@
 use super::fans::Fans;
 use super::frame::Frame;
 use super::ground::Ground;
+use super::marks::Marks;
 use super::rings::Rings;
 use super::sites::Sites;
 use crate::mesh::Face;
@@ -17,6 +18,8 @@ pub(super) struct Sampler<'g, S> {
     /// The sites that face it, as far as the rings reach, with the squares of their distances; the nearest first, as many
     /// as were taken last.
     order: Vec<(f64, u32)>,
+    /// Vertices that several sites stand for and one of them has been taken for.
+    taken: Marks,
     /// Sites of the rings that have been looked at.
     known: usize,
     /// What was taken last.
@@ -32,6 +35,7 @@ impl<'g, S: Sites> Sampler<'g, S> {
             rings: Rings::new(sites.count()),
             facing: Vec3::ZERO,
             order: Vec::new(),
+            taken: Marks::new(),
             known: 0,
             points: Vec::new(),
             roots: Vec::new(),
@@ -56,12 +60,13 @@ impl<'g, S: Sites> Sampler<'g, S> {
         self.facing = fans.clone().into_iter().map(|fan| self.sites.fans().normal(fan)).sum();
         self.rings.start(fans.into_iter().map(|fan| self.sites.of_fan(fan)));
         self.order.clear();
+        self.taken.clear();
         self.known = 0;
     }
 
     /// Takes the `count` vertices nearest to `centre` among the rings that hold half as many more, and
-    /// returns their frame, with the largest distance as its unit. The centre must be the same for all windows since the
-    /// start.
+    /// returns their frame, with the largest distance as its unit. The centre must stay the same from one start to the
+    /// next.
     pub(super) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<Frame> {
         self.gather(count + count / 2);
         self.take(centre, |_| count)
@@ -101,9 +106,7 @@ impl<'g, S: Sites> Sampler<'g, S> {
             }
             let square = sites.position(site).distance_squared(centre);
             // Each vertex once, whichever fan of it comes first.
-            let vertex = sites.shared_vertex(site);
-            let is_same = |&(other, of): &(f64, u32)| other == square && sites.shared_vertex(of) == vertex;
-            if vertex.is_none() || !self.order.iter().any(is_same) {
+            if sites.shared_vertex(site).is_none_or(|vertex| self.taken.insert(vertex)) {
                 self.order.push((square, site));
             }
         }
@@ -154,9 +157,8 @@ impl<'g> Sampler<'g, Fans<'g>> {
         let square = radius * radius;
         let (fans, mesh) = (self.sites, self.sites.ground.mesh);
         let is_within = move |f: &u32| {
-            let [a, b, c] = mesh.triangle(Face(*f));
             let is_near = |p: DVec3| p.distance_squared(centre) <= square;
-            is_near((a + b + c) / 3.0) && (is_near(a) || is_near(b) || is_near(c))
+            is_near(mesh.barycentre(Face(*f))) && mesh.triangle(Face(*f)).into_iter().any(is_near)
         };
         let near = self.rings.vertices().iter().filter(move |&&fan| fans.may_have_faces_within(fan, centre, radius));
         near.flat_map(|&fan| fans.faces(fan)).copied().filter(is_within)

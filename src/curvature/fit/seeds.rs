@@ -1,7 +1,7 @@
 //! The faces around which windows of a noisy surface are laid.
 
 use super::ground::Ground;
-use crate::mesh::{Face, FaceState};
+use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -75,23 +75,31 @@ fn from_middle(place: DVec3) -> f64 {
     (place - place.floor()).distance_squared(DVec3::splat(0.5))
 }
 
-/// At most `count` faces that lie all over the surface, at much the same places however it is meshed.
-pub(super) fn scattered(ground: &Ground<'_>, count: usize) -> Vec<Face> {
+/// At most `count` of the `wanted` faces, which lie all over them, at much the same places however the surface is meshed.
+pub(super) fn scattered(ground: &Ground<'_>, wanted: &[bool], count: usize) -> Vec<Face> {
     /// A grid of so many cells along the mesh has ten to twenty thousand on the surface.
     const CELLS: f64 = 128.0;
+    /// Faces of which the nearest are found at a time: they share cells, so that few are left.
+    const TOGETHER: usize = 1 << 14;
     let draw = Draw::from_cells(ground, CELLS, 1.0 / 64.0);
-    let sound = |f: &u32| ground.mesh.face_state(Face(*f)) == FaceState::Sound;
-    let mut faces: Vec<(u64, f64, u32)> = (0..ground.mesh.face_count() as u32)
-        .into_par_iter()
-        .filter(sound)
-        .map(|f| {
-            let place = draw.place(ground.mesh.barycentre(Face(f)));
-            (number(place), from_middle(place), f)
-        })
-        .collect();
     // Of each cell the face nearest to its middle.
-    faces.par_sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    faces.dedup_by_key(|face| face.0);
+    let thin_out = |faces: &mut Vec<(u64, f64, u32)>| {
+        faces.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        faces.dedup_by_key(|face| face.0);
+    };
+    let chunks = wanted.par_chunks(TOGETHER).enumerate().map(|(chunk, wanted)| {
+        let numbered = (chunk * TOGETHER..).map(|f| Face(f as u32)).zip(wanted);
+        let sound = numbered.filter(|(face, is_wanted)| **is_wanted && ground.mesh.is_sound(*face));
+        let placed = sound.map(|(face, _)| {
+            let place = draw.place(ground.mesh.barycentre(face));
+            (number(place), from_middle(place), face.0)
+        });
+        let mut faces: Vec<(u64, f64, u32)> = placed.collect();
+        thin_out(&mut faces);
+        faces
+    });
+    let mut faces: Vec<(u64, f64, u32)> = chunks.flatten_iter().collect();
+    thin_out(&mut faces);
     faces.into_iter().take(count).map(|(_, _, f)| Face(f)).collect()
 }
 
@@ -103,7 +111,7 @@ pub(super) fn seeds(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
     let numbers: Vec<u64> = faces().map(|f| if wanted[f as usize] { draw.of(Face(f)) } else { 0 }).collect();
     let rank = |f: u32| (numbers[f as usize], f);
     faces()
-        .filter(|&f| wanted[f as usize] && mesh.face_state(Face(f)) == FaceState::Sound)
+        .filter(|&f| wanted[f as usize] && mesh.is_sound(Face(f)))
         .filter(|&f| {
             let corners = mesh.topology().corners(Face(f));
             corners.iter().all(|v| ground.stars.of(v.0).iter().all(|&g| rank(g) <= rank(f)))

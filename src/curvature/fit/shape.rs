@@ -55,7 +55,7 @@ pub(super) fn half_angle<T: Real>(x: T, y: T, length: T) -> (T, T) {
     (length.if_positive(cos / length, T::splat(1.0)), length.if_positive(sin / length, T::splat(0.0)))
 }
 
-/// Two unit vectors that stand upright on a unit vector and on each other (Duff and others 2017, "Building
+/// Two unit vectors that are perpendicular to a unit vector and to each other (Duff and others 2017, "Building
 /// an orthonormal basis, revisited").
 #[inline(always)]
 pub(super) fn tangents<T: Real>(n: V3<T>) -> (V3<T>, V3<T>) {

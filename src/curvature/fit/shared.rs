@@ -6,14 +6,14 @@
 
 use super::cells::Cells;
 use super::fans::Fans;
+use super::ground::Ground;
 use super::lanes::LANES;
 use super::patches::{self, Blended, Patch, Surface, by_chunk};
 use super::quantum::Quantum;
-use super::rough::median;
 use super::samples::Sampler;
 use super::seeds::drawn;
 use super::steady::{Fitted, Steady};
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::Face;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -25,24 +25,35 @@ const REACH: f64 = 2.0 * SPACING;
 /// Places that are fitted by one thread at a time.
 const CHUNK: usize = 64;
 
-/// Vertices in a window of given radius, in the median over some faces.
-fn vertices(mesh: &Mesh, radius: impl Fn(Face) -> Option<f64>) -> f64 {
+/// Vertices in windows of given radii around some faces, about, from the least to the most.
+fn vertices(ground: &Ground<'_>, radius: impl Fn(Face) -> Option<f64>) -> Vec<f64> {
     const LOOKS: usize = 1000;
+    let mesh = ground.mesh;
     let faces = (0..mesh.face_count()).step_by(mesh.face_count().div_ceil(LOOKS)).map(|f| Face(f as u32));
-    let sound = faces.filter(|&face| mesh.face_state(face) == FaceState::Sound);
-    // A vertex has two faces.
-    let vertices = |face: Face| Some(PI * radius(face)?.powi(2) / (2.0 * mesh.area(face)));
-    median(sound.filter_map(vertices)).unwrap_or(0.0).min(mesh.positions().len() as f64)
+    let vertices = |face: Face| {
+        // A single face may be a sliver.
+        let around = mesh.topology().corners(face).into_iter().flat_map(|v| ground.stars.of(v.0));
+        let (count, area) = around.fold((0, 0.0), |(count, area), &f| (count + 1, area + mesh.area(Face(f))));
+        // A vertex has two faces.
+        let vertices = PI * radius(face)?.powi(2) * f64::from(count) / (2.0 * area);
+        Some(vertices.min(mesh.positions().len() as f64))
+    };
+    let mut all: Vec<f64> = faces.filter(|&face| mesh.is_sound(face)).filter_map(vertices).collect();
+    all.retain(|count| count.is_finite());
+    all.sort_unstable_by(f64::total_cmp);
+    all
 }
 
-/// True where windows of given radii hold so many vertices that it pays to share them. Up to some 110 a window around every
-/// face is faster, and on clean surfaces nearer to the truth further on too.
-pub(super) fn pays(mesh: &Mesh, radius: impl Fn(Face) -> Option<f64>) -> bool {
+/// True where windows of given radii hold so many vertices, in the mean, that it pays to share them. Up to some 110 a window
+/// around every face is faster, and on clean surfaces nearer to the truth further on too.
+pub(super) fn pays(ground: &Ground<'_>, radius: impl Fn(Face) -> Option<f64>) -> bool {
     const LEAST: f64 = 200.0;
-    vertices(mesh, radius) >= LEAST
+    let all = vertices(ground, radius);
+    all.iter().sum::<f64>() >= LEAST * all.len() as f64 && !all.is_empty()
 }
 
-/// What windows of given radii say about each face, with their coverage; `None` where none of them reaches it.
+/// What windows of given radii say about each face, with their coverage; `None` where none of them reaches it, and
+/// where that of the place which covers it says nothing.
 pub(super) fn estimate(
     fans: &Fans<'_>,
     quantum: &Quantum,
@@ -56,9 +67,11 @@ pub(super) fn estimate(
     const ENOUGH: f64 = 150.0;
     let ground = fans.ground;
     let count = ground.mesh.face_count();
-    let cells = Cells::new(fans, vertices(ground.mesh, &radius) / ENOUGH);
+    let vertices = vertices(ground, &radius);
+    let median = vertices.get(vertices.len() / 2).copied().unwrap_or(0.0);
+    let cells = Cells::new(fans, median / ENOUGH);
     let mut values = vec![None; count];
-    let is_sound = |f: u32| ground.mesh.face_state(Face(f)) == FaceState::Sound;
+    let is_sound = |f: u32| ground.mesh.is_sound(Face(f));
     let mut is_left: Vec<bool> = (0..count as u32).map(is_sound).collect();
     for _ in 0..PASSES {
         let (places, covered_by) = places(fans, &is_left, &radius);
@@ -178,12 +191,11 @@ fn places(fans: &Fans<'_>, is_left: &[bool], radius: impl Fn(Face) -> Option<f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curvature::fit::ground::Ground;
     use crate::curvature::fit::quantum::quantum;
     use crate::curvature::fit::work::Work;
     use crate::progress::NoProgress;
     use crate::synth::{Grid, Surface};
-    use crate::{MeshOptions, Soup};
+    use crate::{Mesh, MeshOptions, Soup};
 
     /// Windows of a radius around places, and how far their curvatures are from those of every face's own window, in
     /// units of one over the radius, at most.
@@ -193,7 +205,7 @@ mod tests {
         let ground = Ground::new(&mesh, false, &work);
         let fans = Fans::new(&ground);
         let quantum = quantum(&mesh, ground.width);
-        assert!(pays(&mesh, |_| Some(radius)));
+        assert!(pays(&ground, |_| Some(radius)));
         let (places, _) = places(&fans, &vec![true; mesh.face_count()], |_| Some(radius));
         let mut steady = Steady::new(&fans);
         let mut most = 0.0_f64;

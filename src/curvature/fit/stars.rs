@@ -1,7 +1,7 @@
 //! What lies around every vertex.
 
 use super::blocks::Blocks;
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh, Vertex};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh, Vertex};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -108,7 +108,7 @@ impl<'m> Stars<'m> {
         self.mark(vertex) == Mark::Divided
     }
 
-    /// True where it does around all vertices.
+    /// True where the surface goes on all around every vertex.
     pub(super) fn are_all_inside(&self) -> bool {
         self.are_all_inside
     }
@@ -122,7 +122,7 @@ impl<'m> Stars<'m> {
 
 /// The half-edges of the faces of a range that take part.
 pub(super) fn half_edges(mesh: &Mesh, faces: Range<u32>) -> impl Iterator<Item = HalfEdge> {
-    let takes_part = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
+    let takes_part = |f: &Face| mesh.is_in_surface(*f);
     faces.map(Face).filter(takes_part).flat_map(Face::half_edges)
 }
 

@@ -61,19 +61,19 @@ impl Fitted {
     }
 }
 
-/// The values of all faces of a rough surface: a paraboloid in chord coordinates around every vertex,
+/// The values of the `wanted` faces of a rough surface: a paraboloid in chord coordinates around every vertex of theirs,
 /// averaged over each face's corners.
-pub(super) fn around_vertices(fans: &Fans<'_>, window: usize) -> Vec<Option<Blended>> {
+pub(super) fn around_vertices(fans: &Fans<'_>, window: usize, wanted: &[bool]) -> Vec<Option<Blended>> {
     /// Cells in a window, at least. With half as many, values follow the meshing more than small windows' do.
     const ENOUGH: f64 = 72.0;
     match Cells::new(fans, window as f64 / ENOUGH) {
-        Some(cells) => around_all(&cells, (window as f64 / cells.size).round() as usize),
-        None => around_all(fans, window),
+        Some(cells) => around_all(&cells, (window as f64 / cells.size).round() as usize, wanted),
+        None => around_all(fans, window, wanted),
     }
 }
 
 /// The same from so many sites in a window.
-fn around_all(sites: &impl Sites, window: usize) -> Vec<Option<Blended>> {
+fn around_all(sites: &impl Sites, window: usize, wanted: &[bool]) -> Vec<Option<Blended>> {
     const CHUNK: usize = 256;
     let ground = sites.fans().ground;
     let mut around: Vec<Option<Blended>> = vec![None; ground.mesh.positions().len()];
@@ -81,7 +81,7 @@ fn around_all(sites: &impl Sites, window: usize) -> Vec<Option<Blended>> {
         || Steady::new(sites),
         |steady, (chunk, values)| {
             ground.work.advance_by(0.8, values.len(), ground.mesh.positions().len());
-            let is_used = |&v: &usize| !ground.stars.neighbours(v as u32).is_empty();
+            let is_used = |&v: &usize| ground.stars.of(v as u32).iter().any(|&f| wanted[f as usize]);
             let used: Vec<usize> = (chunk * CHUNK..).take(values.len()).filter(is_used).collect();
             for four in used.chunks(LANES) {
                 let found = steady.around(four, window);
@@ -92,6 +92,9 @@ fn around_all(sites: &impl Sites, window: usize) -> Vec<Option<Blended>> {
     (0..ground.mesh.face_count() as u32)
         .into_par_iter()
         .map(|f| {
+            if !wanted[f as usize] {
+                return None;
+            }
             let mut mean = Mean::new();
             for v in ground.mesh.topology().corners(Face(f)) {
                 if let Some(value) = &around[v.index()] {

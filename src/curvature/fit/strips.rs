@@ -9,7 +9,7 @@ use super::first::{Quality, Reading, Surveyor};
 use super::lanes::LANES;
 use super::rulings::{Folds, rulings};
 use super::window::scaled_normal;
-use crate::mesh::{EdgeKind, Face, FaceState, HalfEdge, Mesh};
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -32,7 +32,7 @@ const GOOD: f64 = 1e-5;
 const BENT: f64 = 0.1;
 
 /// Facets in a row, each beside the next over a long edge.
-pub(super) struct Strip {
+struct Strip {
     faces: Vec<Face>,
     /// The edge from each facet to the next.
     between: Vec<HalfEdge>,
@@ -55,7 +55,7 @@ pub(super) struct StripWindow {
 
 /// The two long edges of a sound facet whose shortest side is less than a share of its longest.
 fn long_edges(mesh: &Mesh, face: Face, share: f64) -> Option<[HalfEdge; 2]> {
-    if mesh.face_state(face) != FaceState::Sound {
+    if !mesh.is_sound(face) {
         return None;
     }
     let topology = mesh.topology();
@@ -94,7 +94,7 @@ fn curvature_along(mesh: &Mesh, face: Face, exits: [HalfEdge; 2]) -> f64 {
 
 impl Strip {
     /// The strip around a long facet.
-    pub(super) fn around(mesh: &Mesh, seed: Face) -> Option<Self> {
+    fn around(mesh: &Mesh, seed: Face) -> Option<Self> {
         let exits = long_edges(mesh, seed, LONG)?;
         let mut strip = Strip { faces: vec![seed], between: Vec::new(), bounds: Vec::new(), middle: 0 };
         strip.walk(mesh, exits[0]);

@@ -1,9 +1,9 @@
 //! How wide the faces of a mesh are.
 
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
 
-/// The power of two nearly as large as most faces are wide: the mean, by exponents, of the sides of sound faces. Single faces,
+/// Two to the power of the mean binary exponent of all sides of sound faces: nearly as much as most faces are wide. Single faces,
 /// however large or far from others, do not count for more, and neither does the order of faces or of their corners.
 pub(super) fn typical_width(mesh: &Mesh) -> f64 {
     let exponents = |f: u32| {
@@ -12,7 +12,7 @@ pub(super) fn typical_width(mesh: &Mesh) -> f64 {
     };
     let (sum, count) = (0..mesh.face_count() as u32)
         .into_par_iter()
-        .filter(|&f| mesh.face_state(Face(f)) == FaceState::Sound)
+        .filter(|&f| mesh.is_sound(Face(f)))
         .map(|f| (exponents(f), 3))
         .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     let mean = if count > 0 { sum.div_euclid(count) } else { 0 };

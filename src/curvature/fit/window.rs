@@ -1,18 +1,17 @@
-//! The vertices and faces around a face, as far as no sharp edge lies between.
+//! The vertices and faces around a face, as far as nothing lies between that ends windows.
 
+use super::ground::Ground;
 use super::marks::Marks;
-use super::stars::{CROWDED, Stars};
-use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh, Vertex};
+use super::stars::CROWDED;
+use crate::mesh::{Face, Mesh, Vertex};
 use glam::DVec3;
 
 /// Vertices and faces around a seed face, ring by ring. Reused from face to face.
 pub(super) struct Window {
     pub(super) vertices: Vec<u32>,
     pub(super) faces: Vec<u32>,
-    /// Rings laid around the seed.
-    pub(super) rings: usize,
     /// True when the last ring added nothing: the window holds its whole patch.
-    pub(super) exhausted: bool,
+    exhausted: bool,
     vertex_marks: Marks,
     face_marks: Marks,
     /// Vertices whose stars are still to be added.
@@ -24,7 +23,6 @@ impl Window {
         Window {
             vertices: Vec::new(),
             faces: Vec::new(),
-            rings: 0,
             exhausted: false,
             vertex_marks: Marks::new(),
             face_marks: Marks::new(),
@@ -38,44 +36,38 @@ impl Window {
         self.faces.clear();
         self.vertex_marks.clear();
         self.face_marks.clear();
-        (self.rings, self.front, self.exhausted) = (0, 0, false);
+        (self.front, self.exhausted) = (0, false);
         self.add(mesh, seed);
     }
 
     /// Lays whole rings until there are `count` vertices or no more.
-    pub(super) fn grow_to(&mut self, mesh: &Mesh, stars: &Stars<'_>, ignore_features: bool, count: usize) {
+    pub(super) fn grow_to(&mut self, ground: &Ground<'_>, count: usize) {
         while self.vertices.len() < count && !self.exhausted {
-            self.add_ring(mesh, stars, ignore_features);
+            self.add_ring(ground);
         }
     }
 
-    /// Adds all faces that share a vertex with what is there, over edges that are not sharp.
-    pub(super) fn add_ring(&mut self, mesh: &Mesh, stars: &Stars<'_>, ignore_features: bool) {
+    /// Adds all faces that share a vertex with what is there, over edges that windows reach over.
+    pub(super) fn add_ring(&mut self, ground: &Ground<'_>) {
         let (vertices, faces) = (self.front..self.vertices.len(), self.faces.len());
         self.front = self.vertices.len();
         for at in vertices {
             let vertex = self.vertices[at];
-            if stars.is_divided(vertex) {
-                self.add_fan(mesh, stars, Vertex(vertex), faces, ignore_features);
+            if ground.stars.is_divided(vertex) {
+                self.add_fan(ground, Vertex(vertex), faces);
             } else {
-                for &face in stars.of(vertex) {
-                    self.add(mesh, Face(face));
+                for &face in ground.stars.of(vertex) {
+                    self.add(ground.mesh, Face(face));
                 }
             }
         }
-        self.rings += 1;
         self.exhausted = self.faces.len() == faces;
     }
 
     /// Adds the faces at a vertex that hang together with one of the first `known` faces.
-    fn add_fan(&mut self, mesh: &Mesh, stars: &Stars<'_>, vertex: Vertex, known: usize, ignore_features: bool) {
-        let topology = mesh.topology();
-        let open = |h: HalfEdge| match mesh.edge_kind(h) {
-            EdgeKind::Inner => true,
-            EdgeKind::Feature => ignore_features,
-            EdgeKind::Boundary | EdgeKind::NonManifold => false,
-        };
-        let star = stars.of(vertex.0);
+    fn add_fan(&mut self, ground: &Ground<'_>, vertex: Vertex, known: usize) {
+        let topology = ground.mesh.topology();
+        let star = ground.stars.of(vertex.0);
         for at in 0..star.len().min(known) {
             // Through the star or through the window, whichever is shorter.
             let start = if star.len() <= known { Face(star[at]) } else { Face(self.faces[at]) };
@@ -94,8 +86,8 @@ impl Window {
                 }
                 let mut h = first;
                 for _ in 0..CROWDED / 2 {
-                    let Some(twin) = topology.twin(h).filter(|t| open(h) && t.face() != start) else { break };
-                    self.add(mesh, twin.face());
+                    let Some(twin) = topology.twin(h).filter(|t| ground.is_open(h) && t.face() != start) else { break };
+                    self.add(ground.mesh, twin.face());
                     // Of the other two sides the one that ends at the vertex too.
                     h = if topology.apex(twin.next()) == vertex { twin.prev() } else { twin.next() };
                 }

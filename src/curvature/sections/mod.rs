@@ -24,7 +24,7 @@ use super::perimeter::End;
 use super::radius::RadiusSearch;
 use super::{CHUNK, CurvatureOptions, FaceCurvature};
 use crate::disk::{Disk, Frame};
-use crate::mesh::{Face, FaceState, Mesh};
+use crate::mesh::{Face, Mesh};
 use crate::progress::Progress;
 use crate::section::Plane;
 use crate::unfolding::angle_aside;
@@ -191,7 +191,7 @@ impl<'s> Worker<'s> {
 impl Survey<'_> {
     fn case(&self, place: u32, face: Face) -> Option<Case> {
         let mesh = self.mesh;
-        let frame = Frame::at_barycentre(mesh, face).filter(|_| mesh.face_state(face) == FaceState::Sound)?;
+        let frame = Frame::at_barycentre(mesh, face).filter(|_| mesh.is_sound(face))?;
         let (search, radius) = RadiusSearch::new(mesh, face, self.options, self.fixed);
         Some(Case { face, place, frame, search, radius, coverage: 0.0, gauss_perimeter: f64::NAN, is_blind: false })
     }

@@ -7,7 +7,7 @@ use super::layout::{Stream, stored_points_bounds};
 use super::references::Kind;
 use super::vertices::Owners;
 use crate::annotation::Annotation;
-use crate::mesh::{EdgeKind, Face, FaceState};
+use crate::mesh::{EdgeKind, Face};
 use crate::numbers::Numbers;
 use crate::quantity::Quantity;
 use serde_json::{Value, json};
@@ -89,7 +89,7 @@ pub(super) fn face_values<'a>(
 fn edges_of_kind(annotation: &Annotation<'_>, kind: EdgeKind, faces: &Numbers, corners: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut ends: Vec<[u32; 2]> = Vec::new();
     // A face that is no part of the surface has no neighbours, so that its edges would pass for a border.
-    let in_surface = |face: &Face| matches!(annotation.mesh.face_state(*face), FaceState::Sound | FaceState::NoArea);
+    let in_surface = |face: &Face| annotation.mesh.is_in_surface(*face);
     for (face, triangle) in faces.iter().map(Face).zip(corners).filter(|(face, _)| in_surface(face)) {
         for (i, h) in face.half_edges().into_iter().enumerate() {
             let (a, b) = (triangle[i], triangle[(i + 1) % 3]);

@@ -12,7 +12,7 @@ use super::subject::Subject;
 use crate::color::{ColorScale, Rgb, linear_factor};
 use crate::error::Error;
 use crate::io::png;
-use crate::mesh::{EdgeKind, Face, FaceState};
+use crate::mesh::{EdgeKind, Face};
 use bands::{Line, Scene};
 use camera::Camera;
 use glam::{DVec2, Vec3};
@@ -103,7 +103,7 @@ fn lines(subject: &Subject, display: &Display, camera: &Camera, width: f64) -> V
         let wanted = EDGES.iter().find(|(of, _)| *of == kind && !(kind == EdgeKind::Feature && too_many));
         wanted.map(|(_, rgb)| Vec3::from_array(rgb.map(linear_factor)))
     };
-    let sound = |f: &Face| matches!(mesh.face_state(*f), FaceState::Sound | FaceState::NoArea);
+    let sound = |f: &Face| mesh.is_in_surface(*f);
     (0..mesh.face_count() as u32)
         .map(Face)
         .filter(sound)
