@@ -55,7 +55,7 @@ pub struct AnnotateOptions {
     /// Compress a glTF file with `EXT_meshopt_compression`, which rounds positions and values
     /// (docs/file-format.md).
     pub compress: bool,
-    /// The input's up axis; `None` for Z in STL and Y in everything else.
+    /// The input's up axis; `None` for Z in STL and 3MF and Y in everything else.
     pub up: Option<UpAxis>,
     /// The input's unit; `None` leaves lengths as they are.
     pub unit: Option<Unit>,
@@ -144,6 +144,15 @@ impl AnnotateOptions {
         (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
+    /// All files that a run writes: the output with what lies beside it, and what is written besides. A `.gltf` past two
+    /// gigabytes has further buffers.
+    pub fn files(&self, destination: &Destination, format: OutputFormat) -> Vec<PathBuf> {
+        let has_palettes = self.carrier == ColorCarrier::Texture && self.layout == Layout::Faces;
+        let palettes = if has_palettes { self.shown().len() } else { 0 };
+        let besides = self.legend.iter().chain(&self.edges).chain(&self.reserved).cloned();
+        destination.usual_files(format, palettes).into_iter().chain(besides).collect()
+    }
+
     /// The default estimator has the perimeter estimate only where it is asked for: it costs a walk.
     pub(crate) fn with_perimeter_if_wanted(&self) -> AnnotateOptions {
         let mut options = self.clone();
@@ -203,7 +212,7 @@ impl AnnotateOptions {
     /// From the input's axes and units to those of the output; CSV and PLY keep the input's.
     pub(crate) fn space(&self, input: InputFormat, output: OutputFormat) -> Result<Space, Error> {
         let space = Space::to_gltf(input, self.up, self.unit)?;
-        Ok(if output.is_gltf() { space } else { Space::default() })
+        Ok(if output.is_gltf() { space } else { space.kept() })
     }
 
     /// The settings that decide the values, as they stand in files and statistics.
@@ -258,7 +267,8 @@ impl AnnotateOptions {
 /// Annotates one file; `-` is standard input.
 ///
 /// # Errors
-/// Any [`Error`]; nothing is then written, and what stood at the destination is still there.
+/// Any [`Error`]; nothing is then written, and what stood at the destination is still there. (Where the system refuses only
+/// to put the legend or the edges in their place, the main output is in its own already.)
 pub fn annotate(
     input: &Path,
     destination: &Destination,
@@ -272,10 +282,13 @@ pub fn annotate(
     let start = Instant::now();
     let (mut soup, input_format) = io::read_with(input, &options.read, progress)?;
     outputs.check_for(input, &soup.files, soup.face_count(), input_format)?;
-    let stored = io::stored_values(&soup)?;
+    let stored = if options.reuse { io::stored_values(&soup)? } else { None };
     if options.reuse && stored.is_none() {
         let what = "has no values of Osculate's to use again; leave --reuse out";
         return Err(Error::Usage(format!("{}: {what}", input.display())));
+    }
+    if !options.reuse && io::carries_values(&soup) {
+        soup.notes.push(Note::info("the input carries values of an earlier run; --reuse takes those"));
     }
     if format.is_gltf() {
         let notes = outputs.check_original(soup.scene.as_ref())?;
@@ -287,7 +300,7 @@ pub fn annotate(
     }
     // Opened before any work, put in its place after the main output.
     let besides = Besides::open(options)?;
-    let mut notes = soup.notes.clone();
+    let notes = soup.notes.clone();
     let files = std::mem::take(&mut soup.files);
     let read = start.elapsed();
 
@@ -296,13 +309,12 @@ pub fn annotate(
 
     let mut provenance = options.provenance();
     let values = match stored {
-        Some(stored) if options.reuse => {
+        Some(stored) => {
             keep_settings(&mut provenance, &stored.settings);
             provenance["reused"] = true.into();
-            stored.curvature(&mesh).map_err(|e| e.in_file(input))?
+            stored.curvature(&mesh).map_err(|e| Error::Usage(format!("{}: {e}", input.display())))?
         }
-        stored => {
-            notes.extend(stored.map(|_| Note::info("the input carries values of an earlier run; --reuse takes those")));
+        None => {
             let values;
             (mesh, values) = curvature::estimate_owned(mesh, &options.curvature, progress)?;
             values

@@ -151,7 +151,7 @@ impl Annotated<'_> {
         if let Some(out) = &mut besides.edges {
             let layers = edge_layers(mesh, options.view);
             let space = Space::to_gltf(self.format(), options.up, options.unit)?;
-            let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras() };
+            let scene = LineScene { layers: &layers, origin: mesh.origin(), space, extras: annotation.extras(space) };
             io::write_lines(&scene, out)?;
             out.settle()?;
         }
@@ -166,7 +166,7 @@ impl Annotated<'_> {
             selected_faces: selected.map(|selected| selected.len()),
             notes,
             legend: annotation.legend(),
-            units: annotation.units(),
+            units: annotation.space.units(),
             settings: annotation.provenance,
         })
     }
@@ -219,7 +219,7 @@ impl Outputs<'_> {
             let what = "vertex colours would change the look that the glTF input has; leave --color out";
             return Err(Error::Usage(what.into()));
         }
-        io::check_original(scene, self.options.force, self.options.metadata)
+        io::check_original(scene, self.destination, self.options.force, self.options.metadata)
     }
 }
 

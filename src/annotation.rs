@@ -72,6 +72,8 @@ pub struct Space {
     pub z_up: bool,
     /// The input's unit; lengths become metres. `None` leaves them as they are.
     pub unit: Option<Unit>,
+    /// True where the output keeps the input's axes and unit, which are then only told.
+    pub is_kept: bool,
 }
 
 /// Which of the input's axes points up.
@@ -85,7 +87,7 @@ pub enum UpAxis {
 }
 
 impl Space {
-    /// From an input's axes and units to those of glTF. Without `up`, +Z is up in STL and +Y in
+    /// From an input's axes and units to those of glTF. Without `up`, +Z is up in STL and 3MF and +Y in
     /// everything else.
     ///
     /// # Errors
@@ -100,27 +102,38 @@ impl Space {
             }
         }
         let z_up = up.map_or(input.is_z_up(), |up| up == UpAxis::Z);
-        Ok(Space { z_up, unit: if input == InputFormat::Gltf { Some(Unit::Metre) } else { unit } })
+        let unit = if input == InputFormat::Gltf { Some(Unit::Metre) } else { unit };
+        Ok(Space { z_up, unit, is_kept: false })
+    }
+
+    /// For outputs in the input's own axes and units.
+    pub(crate) fn kept(self) -> Self {
+        Space { is_kept: true, ..self }
+    }
+
+    /// True where the input's +Z becomes the output's +Y.
+    fn turns(self) -> bool {
+        self.z_up && !self.is_kept
     }
 
     /// Output length of an input length of one.
     pub fn scale(self) -> f64 {
-        self.unit.map_or(1.0, Unit::in_metres)
+        self.unit.filter(|_| !self.is_kept).map_or(1.0, Unit::in_metres)
     }
 
     /// A point or vector of the input with length.
     pub fn point(self, p: DVec3) -> DVec3 {
-        self.scale() * if self.z_up { DVec3::new(p.x, p.z, -p.y) } else { p }
+        self.scale() * if self.turns() { DVec3::new(p.x, p.z, -p.y) } else { p }
     }
 
     /// A unit vector of the input.
     pub fn direction(self, d: Vec3) -> Vec3 {
-        if self.z_up { Vec3::new(d.x, d.z, -d.y) } else { d }
+        if self.turns() { Vec3::new(d.x, d.z, -d.y) } else { d }
     }
 
     /// Which component of a direction of the input becomes a component of the output, and its sign there.
     pub(crate) fn turned_component(self, component: usize) -> (usize, f32) {
-        match (self.z_up, component) {
+        match (self.turns(), component) {
             (true, 1) => (2, 1.0),
             (true, 2) => (1, -1.0),
             _ => (component, 1.0),
@@ -130,6 +143,31 @@ impl Space {
     /// The factor for a quantity of this dimension (a power of length).
     pub fn factor(self, dimension: i32) -> f64 {
         self.scale().powi(dimension)
+    }
+
+    /// The output's unit of length, where it is known.
+    fn output_unit(self) -> Option<&'static str> {
+        self.unit.map(|unit| if self.is_kept { unit.symbol() } else { "m" })
+    }
+
+    /// The unit of a quantity in the output, such as `1/m^2`; `1/unit` where the length unit is not known.
+    pub fn unit_of(self, quantity: Quantity) -> String {
+        let length = self.output_unit().unwrap_or("unit");
+        match quantity.dimension() {
+            0 => String::new(),
+            1 => length.to_owned(),
+            -1 => format!("1/{length}"),
+            n => format!("1/{length}^{}", -n),
+        }
+    }
+
+    /// Units and up axis of the input and unit of the output.
+    pub fn units(self) -> Value {
+        json!({
+            "input": self.unit.map_or("unknown", Unit::symbol),
+            "output": self.output_unit().unwrap_or("unknown"),
+            "input_up": if self.z_up { "z" } else { "y" },
+        })
     }
 }
 
@@ -205,7 +243,7 @@ impl Annotation<'_> {
         }
     }
 
-    /// The welded vertices that are written: with all faces, those that none uses too.
+    /// The welded vertices that are written.
     pub(crate) fn vertices(&self) -> Numbers {
         match &self.selected {
             Some(_) => self.vertices_of(&self.faces()),
@@ -278,83 +316,28 @@ impl Annotation<'_> {
     /// What a legend of the colours shown needs: quantity, unit, map, range and a few colours with their
     /// values, in the units of a glTF output. `None` where there are no colours.
     pub fn legend(&self) -> Option<Value> {
-        self.colors.first().map(|colors| self.legend_of(colors))
+        self.colors.first().map(|colors| legend_of(colors, self.space))
     }
 
-    /// What the legend of each colour scale needs.
-    pub fn legends(&self) -> Vec<Value> {
-        self.colors.iter().map(|colors| self.legend_of(colors)).collect()
-    }
-
-    fn legend_of(&self, colors: &ColorScale) -> Value {
-        let factor = self.space.factor(colors.quantity.dimension());
-        let palette = colors.map.palette();
-        let hex = |i: usize| format!("#{:02x}{:02x}{:02x}", palette[i][0], palette[i][1], palette[i][2]);
-        if colors.quantity == Quantity::Class {
-            let classes: Vec<Value> = crate::FaceClass::ALL
-                .iter()
-                .map(|class| json!({ "value": class.code(), "name": class.name(), "color": hex(class_index(*class)) }))
-                .collect();
-            return json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes });
-        }
-        const STOPS: usize = 8;
-        let stops: Vec<Value> = (0..=STOPS)
-            .map(|i| {
-                let share = i as f64 / STOPS as f64;
-                let value = factor * (colors.low * (1.0 - share) + colors.high * share);
-                json!({ "value": value, "color": hex(scale_index(share)) })
-            })
-            .collect();
-        json!({
-            "quantity": colors.quantity.token(),
-            "unit": self.unit_of(colors.quantity),
-            "colormap": colors.map.name(),
-            "range": [factor * colors.low, factor * colors.high],
-            "clipped_faces": colors.clipped,
-            "not_estimated": hex(NOT_ESTIMATED_INDEX),
-            "stops": stops,
-        })
-    }
-
-    /// The unit of a quantity in a glTF output, such as `1/m^2`; `1/unit` where the length unit is
-    /// not known.
-    pub fn unit_of(&self, quantity: Quantity) -> String {
-        let length = if self.space.unit.is_some() { "m" } else { "unit" };
-        match quantity.dimension() {
-            0 => String::new(),
-            1 => length.to_owned(),
-            -1 => format!("1/{length}"),
-            n => format!("1/{length}^{}", -n),
-        }
-    }
-
-    /// Units and up axis of the input and the output.
-    pub fn units(&self) -> Value {
-        json!({
-            "input": self.space.unit.map_or("unknown", Unit::symbol),
-            "output": if self.space.unit.is_some() { "m" } else { "unknown" },
-            "input_up": if self.space.z_up { "z" } else { "y" },
-        })
-    }
-
-    /// Everything needed to read and to repeat the result, for a mesh's `extras`.
-    pub fn extras(&self) -> Value {
+    /// Everything needed to read and to repeat the result, for the `extras` of what is written in a space.
+    pub(crate) fn extras(&self, space: Space) -> Value {
+        let legends: Vec<Value> = self.colors.iter().map(|colors| legend_of(colors, space)).collect();
         let report = self.mesh.report();
         let origin = self.mesh.origin();
         let mut extras = json!({ "osculate": {
             "schema": 1,
             "version": env!("CARGO_PKG_VERSION"),
             "settings": self.provenance,
-            "units": self.units(),
+            "units": space.units(),
             "sign": "k is positive where the surface bends away from its normal",
             "not_estimated": "0 everywhere, class -1",
             "classes": crate::FaceClass::ALL.iter().map(|c| (c.code().to_string(), c.name())).collect::<std::collections::BTreeMap<_, _>>(),
             "faces": report.faces,
             "origin": origin.to_array(),
-            "legend": self.legend(),
+            "legend": legends.first(),
         } });
         if self.colors.len() > 1 {
-            extras["osculate"]["legends"] = self.legends().into();
+            extras["osculate"]["legends"] = legends.into();
         }
         extras
     }
@@ -370,4 +353,35 @@ impl Annotation<'_> {
         let stand_in = corners.iter().copied().find(|c| c.is_finite()).unwrap_or(DVec3::ZERO);
         corners.map(|c| if c.is_finite() { c } else { stand_in })
     }
+}
+
+/// What the legend of a colour scale needs, in the units of an output.
+fn legend_of(colors: &ColorScale, space: Space) -> Value {
+    let factor = space.factor(colors.quantity.dimension());
+    let palette = colors.map.palette();
+    let hex = |i: usize| format!("#{:02x}{:02x}{:02x}", palette[i][0], palette[i][1], palette[i][2]);
+    if colors.quantity == Quantity::Class {
+        let classes: Vec<Value> = crate::FaceClass::ALL
+            .iter()
+            .map(|class| json!({ "value": class.code(), "name": class.name(), "color": hex(class_index(*class)) }))
+            .collect();
+        return json!({ "quantity": "class", "colormap": colors.map.name(), "stops": classes });
+    }
+    const STOPS: usize = 8;
+    let stops: Vec<Value> = (0..=STOPS)
+        .map(|i| {
+            let share = i as f64 / STOPS as f64;
+            let value = factor * (colors.low * (1.0 - share) + colors.high * share);
+            json!({ "value": value, "color": hex(scale_index(share)) })
+        })
+        .collect();
+    json!({
+        "quantity": colors.quantity.token(),
+        "unit": space.unit_of(colors.quantity),
+        "colormap": colors.map.name(),
+        "range": [factor * colors.low, factor * colors.high],
+        "clipped_faces": colors.clipped,
+        "not_estimated": hex(NOT_ESTIMATED_INDEX),
+        "stops": stops,
+    })
 }

@@ -61,7 +61,7 @@ impl FromStr for Condition {
         let words: Vec<&str> = text.split_whitespace().collect();
         if words.iter().any(|word| word.eq_ignore_ascii_case("or")) {
             let what = "comparisons are joined by and, not by or; a range such as mean=-1:1 and a list such as \
-                        class=convex,concave stand for one of several";
+                        class=elliptic,umbilic stand for one of several";
             return Err(Error::Usage(what.into()));
         }
         let comparisons: Result<Vec<Comparison>, String> = words

@@ -70,7 +70,7 @@ fn scale(annotation: &Annotation<'_>, colors: &ColorScale) -> Scale {
             outside: "grey: not estimated".into(),
         };
     }
-    let unit = annotation.unit_of(colors.quantity);
+    let unit = annotation.space.unit_of(colors.quantity);
     let factor = annotation.space.factor(colors.quantity.dimension());
     let label = |share: f64| (share, number(factor * (colors.low * (1.0 - share) + colors.high * share)));
     Scale {

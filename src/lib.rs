@@ -23,7 +23,7 @@
 //! [`report`](report()). What every quantity means, with formula, unit, sign and range: `docs/quantities.md`. Why
 //! things are as they are: `docs/decisions.md`.
 
-// The command line sees of the library what everybody sees, by the name that everybody uses.
+// The command line calls the library by the name that everybody uses, and sees little more of it than everybody.
 #[cfg(feature = "cli")]
 extern crate self as osculate;
 

@@ -50,9 +50,9 @@ pub enum End {
     Feature,
     /// An edge with three or more faces was met.
     NonManifold,
-    /// Both curvatures are alike, so that no direction is principal: an umbilic or flat place.
+    /// Both curvatures are alike, so that no direction is principal: an umbilic or flat place. Or there is no estimate.
     Umbilic,
-    /// The step's section closed or the place could not be estimated.
+    /// The section of a step closed.
     Stuck,
 }
 
@@ -227,7 +227,8 @@ fn place_of(mesh: &Mesh, face: Face, point: DVec3) -> Place {
     Place { face, weights: nearest_in_triangle(mesh.triangle(face), point) }
 }
 
-/// Faces spread evenly over the area of a mesh, as seeds: the same ones for the same mesh.
+/// At most `count` faces spread evenly over the area of a mesh, as seeds: the same ones for the same mesh. A face that is
+/// larger than several shares of the area is one seed.
 pub fn spread_seeds(mesh: &Mesh, count: usize) -> Vec<Place> {
     let areas: Vec<f64> = (0..mesh.face_count() as u32)
         .map(|f| mesh.area(Face(f)))
@@ -235,14 +236,16 @@ pub fn spread_seeds(mesh: &Mesh, count: usize) -> Vec<Place> {
         .collect();
     let total: f64 = areas.iter().sum();
     let mut seeds = Vec::with_capacity(count.min(areas.len()));
-    let mut before = 0.0;
+    let (mut until, mut shares) = (0.0, 0);
     for (f, area) in areas.iter().enumerate() {
-        let until = before + area;
-        let next = (seeds.len() as f64 + 0.5) * total / count as f64;
-        if seeds.len() < count && until > next {
+        until += area;
+        let is_passed = |share: usize| share < count && until > (share as f64 + 0.5) * total / count as f64;
+        if is_passed(shares) {
             seeds.push(Place::barycentre(Face(f as u32)));
         }
-        before = until;
+        while is_passed(shares) {
+            shares += 1;
+        }
     }
     seeds
 }
@@ -257,6 +260,26 @@ mod tests {
     fn torus() -> Mesh {
         let soup = Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 120, 48).build().soup;
         Mesh::from_soup(&soup, &MeshOptions::default()).expect("a mesh")
+    }
+
+    /// A large face does not make all faces behind it seeds.
+    #[test]
+    fn seeds_are_spread_by_area() {
+        let mut points = vec![[0.0; 3], [0.0, 10.0, 0.0], [-10.0, 0.0, 0.0]];
+        let mut triangles = vec![[0, 1, 2]];
+        for i in 0..200_u32 {
+            points.push([f64::from(i / 2) * 0.1, -1.0 - 0.1 * f64::from(i % 2), 0.0]);
+            if i >= 2 {
+                triangles.push([i + 1, i + 2, i + 3]);
+            }
+        }
+        let soup = crate::Soup::new(crate::Positions::F64(points), triangles);
+        let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a mesh");
+        let faces: Vec<u32> = spread_seeds(&mesh, 10).iter().map(|seed| seed.face.0).collect();
+        assert_eq!(faces, [0]);
+        let faces: Vec<u32> = spread_seeds(&mesh, 1000).iter().map(|seed| seed.face.0).collect();
+        let gaps: Vec<u32> = faces.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(faces.len() > 10 && gaps[1..].iter().all(|&gap| gap.abs_diff(gaps[1]) <= 1), "{faces:?}");
     }
 
     /// The meridian circle through the first point: its plane holds the axis. Degrees off it.

@@ -157,6 +157,18 @@ fn resume_does_what_is_missing_older_or_made_otherwise() {
     assert_eq!(annotated(&["--unit", "mm", "--legend", "svg"]), ["a.glb".to_owned()].into());
 }
 
+/// A document is nothing without its buffer.
+#[test]
+fn resume_misses_what_lies_beside_an_output() {
+    let folder = folder_of(&[("s/a.stl", "suzanne.stl")]);
+    let batch = || osculate(folder.path(), &["batch", "s", "-o", "out", "--format", "gltf", "--resume"]);
+    for missing in ["a.bin", "a.png", "a.gltf"] {
+        assert_eq!(batch().status.code(), Some(0));
+        assert!(String::from_utf8_lossy(&batch().stderr).contains("1 skipped"));
+        fs::remove_file(folder.path().join("out").join(missing)).expect("was written");
+    }
+}
+
 #[test]
 fn options_of_annotate_hold_for_every_file() {
     let folder = folder_of(&[("in/a.stl", "fillet_part.stl"), ("in/b.stl", "fillet_part.stl")]);

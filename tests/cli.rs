@@ -85,6 +85,14 @@ fn numbers_go_to_standard_output_where_asked_for() {
     let run = osculate(folder.path(), &["annotate", "fixtures/suzanne.stl", "-o", "a.glb", "--stats", "-"]);
     let stats: Value = serde_json::from_slice(&run.stdout).expect("JSON");
     assert_eq!(stats["faces"], 968);
+    // Standard input and standard output are two things.
+    let piped = Command::new(env!("CARGO_BIN_EXE_osculate"))
+        .current_dir(folder.path())
+        .args(["annotate", "-", "-o", "b.glb", "--stats", "-", "-q"])
+        .stdin(fs::File::open(folder.path().join("fixtures/suzanne.stl")).expect("a fixture"))
+        .output()
+        .expect("the program starts");
+    assert!(serde_json::from_slice::<Value>(&piped.stdout).is_ok(), "{}", stderr(&piped));
     let run = osculate(folder.path(), &["synth", "sphere", "--faces", "80", "-o", "a.ply", "--exact", "-"]);
     assert!(run.stdout.starts_with(b"face,"), "{run:?}");
     let run = osculate(folder.path(), &["disk", "a.ply", "--face", "0", "-o", "a.glb", "--values", "-"]);
@@ -109,6 +117,67 @@ fn quads_that_end_in_a_pole_are_triangles() {
     assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stdout));
     let found: Value = serde_json::from_slice(&run.stdout).expect("JSON");
     assert_eq!((&found["faces"], &found["notes"]), (&triangles.into(), &Value::Array(Vec::new())));
+}
+
+/// What is in a CSV and what statistics tell of it.
+#[test]
+fn units_are_told_as_they_are_in_the_output() {
+    let folder = folder();
+    let units = |output: &str| {
+        let args = ["annotate", "fixtures/suzanne.stl", "-o", output, "--unit", "mm", "--stats", "-"];
+        let stats: Value = serde_json::from_slice(&osculate(folder.path(), &args).stdout).expect("JSON");
+        (
+            stats["units"].clone(),
+            stats["legend"]["unit"].clone(),
+            stats["legend"]["range"][1].as_f64().expect("a number"),
+        )
+    };
+    let (glb, glb_unit, glb_range) = units("a.glb");
+    assert_eq!((glb, glb_unit), (serde_json::json!({"input": "mm", "output": "m", "input_up": "z"}), "1/m".into()));
+    let (csv, csv_unit, csv_range) = units("a.csv");
+    assert_eq!((csv, csv_unit), (serde_json::json!({"input": "mm", "output": "mm", "input_up": "z"}), "1/mm".into()));
+    assert!((glb_range / csv_range - 1000.0).abs() < 1e-6, "{glb_range} {csv_range}");
+}
+
+#[test]
+fn what_is_replaced_keeps_its_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let path = folder.path().join("a.csv");
+    fs::write(&path, "private").expect("writable");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).expect("permitted");
+    osculate(folder.path(), &["annotate", "fixtures/suzanne.stl", "-o", "a.csv"]);
+    assert_eq!(path.metadata().expect("a file").permissions().mode() & 0o777, 0o600);
+}
+
+/// Another program may have put the values of an annotated file into other types, or taken an image away.
+#[test]
+fn what_others_changed_in_a_gltf_is_told_and_no_reason_to_refuse_it() {
+    let folder = folder();
+    let run = |args: &[&str], code: i32| {
+        let run = osculate(folder.path(), args);
+        assert_eq!(run.status.code(), Some(code), "{args:?}: {}", stderr(&run));
+        stderr(&run)
+    };
+    run(&["annotate", "fixtures/suzanne.stl", "-o", "a.gltf"], 0);
+    let text = fs::read_to_string(folder.path().join("a.gltf")).expect("a document");
+    let mut document: Value = serde_json::from_str(&text).expect("JSON");
+    let k_max = document["meshes"][0]["primitives"][0]["attributes"]["_CURVATURE_MAX"].as_u64().expect("an attribute");
+    document["accessors"][k_max as usize]["componentType"] = 5125.into();
+    fs::write(folder.path().join("b.gltf"), document.to_string()).expect("writable");
+    assert!(run(&["annotate", "b.gltf", "-o", "b.glb"], 0).contains("--reuse"));
+    assert!(run(&["annotate", "b.gltf", "-o", "b.glb", "--reuse"], 1).contains("32-bit floats"));
+    assert!(run(&["report", "b.gltf", "-o", "b.html"], 0).contains("estimated again"));
+    fs::create_dir(folder.path().join("deep")).expect("a folder");
+    for file in ["scene.gltf", "scene.bin"] {
+        fs::write(folder.path().join(file), fixture(file)).expect("writable");
+    }
+    let said = run(&["annotate", "scene.gltf", "-o", "deep/c.glb"], 3);
+    assert!(said.contains("an image is not carried over") && said.contains("Tiles.png"), "{said}");
+    let outside = String::from_utf8(fixture("scene.gltf")).expect("text").replace("Tiles.png", "../Tiles.png");
+    fs::write(folder.path().join("scene.gltf"), outside).expect("writable");
+    let said = run(&["annotate", "scene.gltf", "-o", "deep/c.glb"], 3);
+    assert!(said.contains("--allow-folder"), "{said}");
 }
 
 #[test]
@@ -303,6 +372,8 @@ fn bad_usage_is_told_before_any_work() {
         (["plane", "--radius", "2"], "--radius does not apply to plane"),
         (["sphere", "--size", "1,2,3"], "--size does not apply to sphere"),
         (["fillet-box", "--jitter", "0.3"], "--jitter does not apply to fillet-box"),
+        (["sphere", "--radius", "inf"], "at most 1e30"),
+        (["torus", "--cells", "30000,30000"], "more than 100000000 faces"),
     ] {
         let run = osculate(folder.path(), &[&["synth", "-o", "a.stl"][..], &args].concat());
         assert_eq!(run.status.code(), Some(2), "{args:?}");

@@ -36,7 +36,8 @@ pub(crate) fn disk<'py>(py: Python<'py>, mesh: &Mesh, call: &Walk) -> PyResult<B
 
 fn set_place(py: Python<'_>, dict: &Bound<'_, PyDict>, mesh: &Mesh, place: Place, frame: &Frame) -> PyResult<()> {
     dict.set_item("face", place.face.0)?;
-    dict.set_item("weights", place.weights)?;
+    let [a, b, c] = place.weights;
+    dict.set_item("weights", (a, b, c))?;
     dict.set_item("centre", vector(py, frame.centre + mesh.origin()))?;
     dict.set_item("normal", vector(py, frame.normal))?;
     dict.set_item("x", vector(py, frame.x))?;

@@ -64,7 +64,8 @@ fn settings_of(mesh: MeshOptions, curvature: CurvatureOptions) -> PyResult<Strin
 
 fn read(path: &Path, call: &Read, progress: &dyn Progress) -> Result<Mesh, Error> {
     let (soup, format) = osculate::read_with(path, &call.read, progress)?;
-    let stored = osculate::stored_values(&soup)?;
+    // Values that are not as an estimate has them are no reason to refuse the mesh.
+    let stored = osculate::stored_values(&soup).unwrap_or_default();
     let notes = soup.notes.clone();
     let origin = Origin { path: path.to_owned(), files: soup.files.clone(), format: Some(format) };
     let mesh = osculate::Mesh::from_owned_soup(soup, &call.mesh).map_err(|e| e.in_file(path))?;
@@ -73,7 +74,6 @@ fn read(path: &Path, call: &Read, progress: &dyn Progress) -> Result<Mesh, Error
         Ok(Stored { values, settings: stored.settings })
     });
     let mut read = Mesh { origin, ..Mesh::of(mesh, call.mesh) };
-    // Values that lack what an estimate has are no reason to refuse the mesh.
     read.stored = stored.and_then(Result::<_, Error>::ok);
     read.notes.splice(0..0, notes);
     Ok(read)

@@ -73,15 +73,20 @@ impl Target {
         let stats = self.stats.as_deref().map(open).transpose()?;
         let summary = osculate::annotate(input, &self.destination, self.format, options, progress)?;
         if let Some(stats) = stats {
-            write_stats(&summary, stats)?;
+            write_stats(&summary, stats).map_err(|e| match e {
+                Error::Io { path, action, source } => {
+                    let what = format!("{source}; the output itself is written");
+                    Error::Io { path, action, source: std::io::Error::new(source.kind(), what) }
+                }
+                other => other,
+            })?;
         }
         Ok(summary)
     }
 
     /// Refuses to replace what is there, where that is not wanted.
     pub(super) fn check_existing(&self, options: &AnnotateOptions) -> Result<(), Error> {
-        let mut besides = [&options.edges, &options.legend, &self.stats].into_iter().flatten();
-        let existing = || self.destination.existing(self.format).or(besides.find(|path| path.exists()).cloned());
+        let existing = || options.files(&self.destination, self.format).into_iter().find(|path| path.exists());
         self.no_clobber.then(existing).flatten().map_or(Ok(()), |existing| Err(Error::Exists(existing)))
     }
 }

@@ -9,11 +9,13 @@ use osculate::{CurvatureOptions, Disk, Error, FaceCurvature, Frame, Layer, LineS
 use serde_json::json;
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::path::Path;
 
 pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error> {
     extension(&args.output, &["glb"])?;
     let options = args.estimation.options();
-    let outputs: Vec<_> = std::iter::once(args.output.as_path()).chain(args.values.as_deref()).collect();
+    let values = args.values.as_deref().filter(|path| *path != Path::new("-"));
+    let outputs: Vec<_> = std::iter::once(args.output.as_path()).chain(values).collect();
     let input = read_mesh(&args.input, &outputs, &args.mesh, messages)?;
     let mesh = &input.mesh;
     let place = args.place.find(mesh)?;

@@ -1,5 +1,7 @@
 //! Values of options that are more than a number or a word.
 
+use super::choices::ColorByArg;
+use clap::ValueEnum;
 use glam::DVec3;
 use osculate::{Quantity, Radius, Range, ViewFrom};
 
@@ -29,9 +31,11 @@ pub(super) fn range(text: &str) -> Result<Range, String> {
     Ok(Range::Fixed(number(low)?, number(high)?))
 }
 
-pub(super) fn quantity(text: &str) -> Result<Quantity, String> {
-    Quantity::from_token(text.trim()).ok_or_else(|| {
-        let known: Vec<&str> = Quantity::ALL.iter().map(|quantity| quantity.token()).collect();
+/// A quantity that colours can show.
+pub(super) fn shown(text: &str) -> Result<Quantity, String> {
+    let choices = || ColorByArg::value_variants().iter().filter_map(|&choice| Option::<Quantity>::from(choice));
+    choices().find(|quantity| quantity.token() == text.trim()).ok_or_else(|| {
+        let known: Vec<&str> = choices().map(Quantity::token).collect();
         format!("known are {}", known.join(", "))
     })
 }

@@ -58,10 +58,8 @@ impl PathArgs {
 }
 
 /// Refuses an output whose extension is none of those listed.
-pub(super) fn extension<'p>(path: &'p Path, known: &[&str]) -> Result<&'p str, Error> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    if known.contains(&extension) {
-        return Ok(extension);
-    }
-    Err(Error::Usage(format!("{}: the extension must be .{}", path.display(), known.join(" or ."))))
+pub(super) fn extension(path: &Path, known: &[&'static str]) -> Result<&'static str, Error> {
+    let extension = path.extension().unwrap_or_default();
+    let found = known.iter().find(|known| extension.eq_ignore_ascii_case(known)).copied();
+    found.ok_or_else(|| Error::Usage(format!("{}: the extension must be .{}", path.display(), known.join(" or ."))))
 }

@@ -29,9 +29,23 @@ pub(super) fn run(args: &SynthArgs, messages: &Messages) -> Result<Outcome, Erro
     Ok(Outcome::Done)
 }
 
+const MOST_FACES: usize = 100_000_000;
+
+/// Faces of a shape of so many cells, about.
+fn faces_of(shape: ShapeArg, u: usize, v: usize) -> usize {
+    match shape {
+        ShapeArg::Box => 12 * u * u,
+        ShapeArg::FilletBox => 12 * (u + 2 * v) * (u + 2 * v),
+        _ => 2 * u * v,
+    }
+}
+
 fn check(args: &SynthArgs) -> Result<(), Error> {
     let usage = |what: &str| Err(Error::Usage(what.to_owned()));
+    /// So that coordinates are numbers of 32 bits.
+    const LONGEST: f64 = 1e30;
     let shortest = args.size().min_element();
+    let lengths = [args.radius(), args.tube(), args.height(), args.size().max_element()];
     if let Some(option) = args.unused() {
         let shape = args.shape.to_possible_value();
         return Err(Error::Usage(format!(
@@ -40,8 +54,8 @@ fn check(args: &SynthArgs) -> Result<(), Error> {
         )));
     }
     match args.shape {
-        _ if !(args.radius() > 0.0 && args.tube() > 0.0 && args.height() > 0.0 && shortest > 0.0) => {
-            usage("--radius, --tube, --height and --size must be above 0")
+        _ if !(shortest > 0.0 && lengths.into_iter().all(|length| length > 0.0 && length <= LONGEST)) => {
+            usage("--radius, --tube, --height and --size must be above 0 and at most 1e30")
         }
         ShapeArg::Torus if args.tube() >= args.radius() => {
             usage("--tube must be below --radius, or the torus cuts itself")
@@ -56,7 +70,10 @@ fn check(args: &SynthArgs) -> Result<(), Error> {
         _ if !(args.scan_noise >= 0.0 && args.scan_noise.is_finite()) => usage("--scan-noise must be 0 or more"),
         _ if args.scan_view.try_normalize().is_none() => usage("--scan-view must not be 0,0,0"),
         _ if !(0.001..=1000.0).contains(&args.aspect) => usage("--aspect must be 0.001 to 1000"),
-        _ if !(4..=100_000_000).contains(&args.faces) => usage("--faces must be 4 to 100000000"),
+        _ if !(4..=MOST_FACES).contains(&args.faces) => usage("--faces must be 4 to 100000000"),
+        _ if args.cells.is_some_and(|[u, v]| faces_of(args.shape, u, v) > MOST_FACES) => {
+            usage("--cells makes more than 100000000 faces")
+        }
         _ => Ok(()),
     }
 }

@@ -50,7 +50,7 @@ impl FaceClass {
         self as i8
     }
 
-    /// The class's name, as in DESIGN and help texts.
+    /// The class's name, as in messages and in [`Condition`](crate::Condition)s, there with `_` for the space.
     pub fn name(self) -> &'static str {
         match self {
             FaceClass::NotEstimated => "not estimated",

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::wording::short;
 
-/// How normal curvature is read off a diameter.
+/// How curvature is estimated: from windows of vertices, or read off the diameters of a disk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -33,7 +33,7 @@ impl Estimator {
     }
 }
 
-/// How the length of a disk's legs is chosen.
+/// How the radius of windows, or the length of a disk's legs, is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Radius {
@@ -43,8 +43,8 @@ pub enum Radius {
     MeshFactor(f64),
     /// A length in file units.
     Length(f64),
-    /// By the face's surroundings and the bending: large enough that sections have some segments to
-    /// bend at, small enough that the surface turns by less than about a radian.
+    /// By the face's surroundings. Windows are as large as the data let them be. Legs are long enough that sections have
+    /// some segments to bend at, and short enough that the surface turns by less than about a radian over them.
     #[default]
     Auto,
 }
@@ -59,7 +59,8 @@ pub struct CurvatureOptions {
     /// so the error of formula (1) falls with the square of edge over radius, and grows with the square of
     /// radius over the distance in which the curvature changes.
     ///
-    /// Default: automatic; for legs by the rule of `src/curvature/radius.rs`.
+    /// Default: automatic. For legs that is 5.4 times the width of the faces around, shorter (to a quarter) while the
+    /// surface turns by more than 0.8 radians over it, longer (to three mean edges of the face) while it turns by little.
     pub radius: Radius,
     /// Number of diameters per disk, 3 to 360. Default 12.
     pub diameters: usize,

@@ -32,7 +32,7 @@ pub struct EdgeLengths {
     pub max: f64,
 }
 
-/// The scene of a glTF file, instances counted each.
+/// The scene of a glTF or 3MF file, instances counted each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SceneSummary {
     /// Nodes that show a mesh.
@@ -72,7 +72,7 @@ pub struct Inspection {
     pub silhouette_edges: Option<usize>,
     /// Named groups of faces in the file.
     pub groups: usize,
-    /// The placed meshes, for glTF.
+    /// The placed meshes, for glTF and 3MF.
     pub scene: Option<SceneSummary>,
     /// Metres in one unit of the coordinates, where the file says so.
     pub metres_per_unit: Option<f64>,

@@ -15,11 +15,20 @@ pub enum Destination {
 
 impl Destination {
     /// All files that an output of so many faces may replace.
-    fn files(&self, format: OutputFormat, faces: usize, scales: usize) -> Vec<PathBuf> {
+    fn most_files(&self, format: OutputFormat, faces: usize, scales: usize) -> Vec<PathBuf> {
         match self {
             Destination::Stdout => Vec::new(),
-            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_beside(path, faces, scales),
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::most_files(path, faces, scales),
             Destination::File(path) => vec![path.clone()],
+        }
+    }
+
+    /// The files of an output with so many palettes, but for the further buffers that a large one has.
+    pub(crate) fn usual_files(&self, format: OutputFormat, palettes: usize) -> Vec<PathBuf> {
+        match self {
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_of(path, 1, palettes),
+            Destination::File(path) => vec![path.clone()],
+            Destination::Stdout => Vec::new(),
         }
     }
 
@@ -36,7 +45,7 @@ impl Destination {
         files: &[PathBuf],
         [faces, scales]: [usize; 2],
     ) -> Result<(), Error> {
-        let mut outputs = self.files(format, faces, scales);
+        let mut outputs = self.most_files(format, faces, scales);
         if let [document, beside @ ..] = outputs.as_slice()
             && beside.contains(document)
         {
@@ -44,11 +53,6 @@ impl Destination {
         }
         outputs.extend_from_slice(others);
         check_outputs(&outputs, input, files)
-    }
-
-    /// The first of the files that an output may replace and that is there already.
-    pub fn existing(&self, format: OutputFormat) -> Option<PathBuf> {
-        self.files(format, 0, 1).into_iter().find(|path| path.exists())
     }
 
     /// Refuses an output in a folder that does not exist.

@@ -46,6 +46,11 @@ pub fn stored_values(soup: &Soup) -> Result<Option<StoredValues>, Error> {
     soup.scene.as_ref().map_or(Ok(None), gltf::read_values)
 }
 
+/// True for a glTF file that Osculate has written, whether or not its values can still be used.
+pub(crate) fn carries_values(soup: &Soup) -> bool {
+    soup.scene.as_ref().is_some_and(gltf::are_marked)
+}
+
 /// A file format that annotated meshes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -121,8 +126,17 @@ pub fn check_size(
 ///
 /// # Errors
 /// [`Error::Parse`] with the place.
-pub(crate) fn check_original(scene: &Scene, force: bool, metadata: bool) -> Result<Vec<Note>, Error> {
-    gltf::check_original(scene, force, metadata)
+pub(crate) fn check_original(
+    scene: &Scene,
+    destination: &Destination,
+    force: bool,
+    metadata: bool,
+) -> Result<Vec<Note>, Error> {
+    let folder = match destination {
+        Destination::File(path) => path.parent(),
+        Destination::Stdout => None,
+    };
+    gltf::check_original(scene, folder, force, metadata)
 }
 
 /// Writes an annotated mesh.

@@ -78,6 +78,8 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
                     (name, "") | ("", name) => name.to_owned(),
                     (object, group) => short_name(&format!("{object}/{group}")).to_owned(),
                 };
+                // Of names without a face between them only the last counts.
+                groups.pop_if(|(_, before)| *before == polygons.ends.len());
                 groups.push((full, polygons.ends.len()));
             }
             Some(b"mtllib") if libraries.len() < MOST_LIBRARIES => {

@@ -40,7 +40,7 @@ impl Output {
                 let file = File::options().write(true).open(&target).map_err(failed)?;
                 Sink::Stream(Box::new(BufWriter::with_capacity(BUFFER, file)))
             }
-            _ => {
+            existing => {
                 let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
                 let mut builder = tempfile::Builder::new();
                 #[cfg(unix)]
@@ -55,6 +55,10 @@ impl Output {
                 let file = builder.tempfile_in(folder).map_err(failed)?;
                 paths.push(file.path().to_path_buf());
                 drop(paths);
+                if let Ok(existing) = existing {
+                    // Whoever may not read what is replaced is not to read what replaces it.
+                    let _ = file.as_file().set_permissions(existing.permissions());
+                }
                 // The lock tells other programs that the file is not abandoned. File systems without
                 // locks are left with more than they need, not less.
                 let _ = file.as_file().try_lock();

@@ -1,7 +1,7 @@
 //! STL, binary and ASCII.
 //!
-//! Binary files are read in windows, so that a file of gigabytes is never in memory besides its
-//! triangles; their number is that which the file really holds, whatever its header says.
+//! Binary files whose header tells their length are read in windows, so that a file of gigabytes is never in memory
+//! besides its triangles. Others are read whole, and judged by what they hold.
 
 use super::corners::Corners;
 use super::foreign;

@@ -11,6 +11,7 @@ use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::quantity::Quantity;
 use crate::soup::{Group, Note};
+use crate::stored::StoredValues;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -46,7 +47,7 @@ impl Subject {
         let (soup, format) = io::read_with(input, &options.read, progress)?;
         io::check_outputs(outputs, input, &soup.files)?;
         let space = Space::to_gltf(format, options.up, options.unit.filter(|_| format != InputFormat::Gltf))?;
-        let stored = if options.reuse { io::stored_values(&soup)? } else { None };
+        let stored = if options.reuse { io::stored_values(&soup).transpose() } else { None };
         let read = start.elapsed().as_secs_f64();
 
         let mut mesh = Mesh::from_soup(&soup, &options.mesh).map_err(|e| e.in_file(input))?;
@@ -55,16 +56,17 @@ impl Subject {
 
         let mut settings = settings(options);
         let mut notes = inspection.notes.clone();
-        let reused = stored.and_then(|stored| match stored.curvature(&mesh) {
-            Ok(values) => {
-                keep_settings(&mut settings, &stored.settings);
+        let usable = |stored: StoredValues| Ok((stored.curvature(&mesh)?, stored.settings));
+        let reused = stored.and_then(|stored| match stored.and_then(usable) {
+            Ok((values, own)) => {
+                keep_settings(&mut settings, &own);
                 settings["reused"] = true.into();
                 notes.push(Note::info("the values are those that the file carries from an earlier run"));
                 Some(values)
             }
             Err(_) => {
                 notes.push(Note::info(
-                    "the file carries only some of the values of an earlier run, so they were estimated again",
+                    "the file does not carry all values of an earlier run as they were written, so they were estimated again",
                 ));
                 None
             }

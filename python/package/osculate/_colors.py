@@ -23,7 +23,7 @@ def palette(name: str) -> NDArray[np.uint8]:
     return np.frombuffer(_native.palette(name), np.uint8).reshape(256, 3)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ColorScale:
     """Colours of faces, and what a legend of them needs."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Disk:
     """The paper's disk: 2n legs of one length, walked over the mesh from a centre in n planes through its normal."""
 
@@ -38,7 +38,7 @@ class Disk:
     curvature: NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """A path along a principal direction, in steps of the disk's radius; m centres."""
 
@@ -61,7 +61,7 @@ class Trace:
     backward_end: str | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Polyline:
     """A chain of points."""
 

@@ -3,7 +3,7 @@
 use super::{CommonArgs, InputArgs, OutputsArgs, SettingsArgs};
 use clap::Args;
 use osculate::AnnotateOptions;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct AnnotateArgs {
@@ -28,7 +28,7 @@ pub(in crate::cli) struct AnnotateArgs {
 impl AnnotateArgs {
     pub(in crate::cli) fn options(&self) -> Result<AnnotateOptions, osculate::Error> {
         Ok(AnnotateOptions {
-            reserved: self.stats.iter().cloned().collect(),
+            reserved: self.stats.iter().filter(|path| *path != Path::new("-")).cloned().collect(),
             // Percentiles are only told where someone asks.
             summarise: self.stats.is_some() || self.common.verbose,
             ..self.outputs.add_to(self.settings.options(&self.input.reading)?)

@@ -2,7 +2,7 @@
 
 use super::{AttributesArgs, ColorsArgs, SpaceArgs};
 use crate::cli::choices::{CarrierArg, CompressArg, LayoutArg};
-use crate::cli::parse::{quantity, vector};
+use crate::cli::parse::{shown, vector};
 use clap::Args;
 use glam::DVec3;
 use osculate::{AnnotateOptions, Condition, Error};
@@ -27,8 +27,9 @@ pub(in crate::cli) struct LookArgs {
     pub(in crate::cli) colors: ColorsArgs,
 
     /// Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants),
-    /// separated by commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class; --color-by is shown first where it is among them, otherwise the first is
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = quantity)]
+    /// separated by commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class, coverage,
+    /// confidence; --color-by is shown first where it is among them, otherwise the first is
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = shown)]
     variants: Vec<osculate::Quantity>,
 
     /// How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear

@@ -13,8 +13,8 @@ pub(in crate::cli) struct SpaceArgs {
     #[arg(long, value_enum)]
     pub(super) up: Option<UpArg>,
 
-    /// The input's unit; what is written as glTF or drawn is scaled to metres. glTF is in metres always. Default: lengths
-    /// stay as they are
+    /// The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in metres
+    /// always. Default: lengths stay as they are
     #[arg(long, value_enum)]
     pub(super) unit: Option<UnitArg>,
 }

@@ -73,9 +73,7 @@ impl Batch {
 
     /// All files that stand for an input when it is done: its output, and what is written beside it.
     pub fn files_of(&self, output: &Path) -> Vec<PathBuf> {
-        let options = self.options_of(output);
-        let besides = [options.legend, options.edges].into_iter().flatten().chain(options.reserved);
-        [output.to_path_buf()].into_iter().chain(besides).collect()
+        self.options_of(output).files(&Destination::File(output.to_path_buf()), self.format)
     }
 
     /// The options of a file, with what is written beside its output.

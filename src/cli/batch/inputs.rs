@@ -1,5 +1,6 @@
 //! Which files a batch is over, and where the output of each goes.
 
+use super::files::Batch;
 use osculate::{Error, InputFormat};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -44,17 +45,12 @@ struct Candidate {
     below: PathBuf,
 }
 
-/// Finds all files, once each. `folder` is the output folder, which exists; `extension` is that of all
-/// outputs, behind the inputs' own where `keep_extension` is true.
+/// Finds all files, once each. `folder` is the output folder; the outputs' extension is that of the batch, behind the
+/// inputs' own where `keep_extension` is true.
 ///
 /// # Errors
 /// [`Error::Usage`] for arguments that cannot be meant.
-pub(super) fn find(
-    arguments: &[PathBuf],
-    folder: &Path,
-    extension: &str,
-    keep_extension: bool,
-) -> Result<Found, Error> {
+pub(super) fn find(arguments: &[PathBuf], folder: &Path, batch: &Batch, keep_extension: bool) -> Result<Found, Error> {
     let real_folder = osculate::real_path(folder);
     let mut found = Found::default();
     let mut candidates = Vec::new();
@@ -85,14 +81,14 @@ pub(super) fn find(
         match candidate.input.metadata().and_then(|m| Ok((m.len(), m.modified()?))) {
             Ok((bytes, modified)) => found.jobs.push(Job {
                 input: candidate.input.clone(),
-                output: output_name(&below, extension, keep_extension),
+                output: output_name(&below, batch.extension(), keep_extension),
                 bytes,
                 modified,
             }),
             Err(e) => found.fail(&candidate.input, format!("cannot read: {e}")),
         }
     }
-    found.refuse_clashes(&seen, folder, &real_folder);
+    found.refuse_clashes(&seen, folder, &real_folder, batch);
     Ok(found)
 }
 
@@ -102,27 +98,29 @@ impl Found {
     }
 
     /// Takes out jobs whose outputs would replace one another's, or an input.
-    fn refuse_clashes(&mut self, inputs: &BTreeSet<PathBuf>, folder: &Path, real_folder: &Path) {
-        let mut users: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
-        for job in &self.jobs {
-            users.entry(job.output.clone()).or_default().push(job.input.clone());
+    fn refuse_clashes(&mut self, inputs: &BTreeSet<PathBuf>, folder: &Path, real_folder: &Path, batch: &Batch) {
+        let mut users: BTreeMap<PathBuf, Vec<usize>> = BTreeMap::new();
+        for (number, job) in self.jobs.iter().enumerate() {
+            batch.files_of(&job.output).into_iter().for_each(|file| users.entry(file).or_default().push(number));
         }
-        let (jobs, clashing) = std::mem::take(&mut self.jobs)
-            .into_iter()
-            .partition(|job| users[&job.output].len() == 1 && !inputs.contains(&real_folder.join(&job.output)));
-        self.jobs = jobs;
-        for job in clashing {
-            let output = folder.join(&job.output);
-            let other = users[&job.output].iter().find(|input| **input != job.input);
-            let message = match other {
-                Some(other) => format!(
-                    "{} would also be written to {}; --keep-extension keeps them apart",
-                    other.display(),
-                    output.display()
-                ),
-                None => format!("{} is an input; choose another output folder", output.display()),
-            };
-            self.fail(&job.input, message);
+        let clash = |(number, job): (usize, &Job)| {
+            batch.files_of(&job.output).into_iter().find_map(|file| {
+                let output = folder.join(&file);
+                if let Some(other) = users[&file].iter().find(|other| **other != number) {
+                    let other = self.jobs[*other].input.display();
+                    let what = format!("{other} would also be written to {}", output.display());
+                    return Some(format!("{what}; --keep-extension keeps them apart"));
+                }
+                let is_input = inputs.contains(&real_folder.join(&file));
+                is_input.then(|| format!("{} is an input; choose another output folder", output.display()))
+            })
+        };
+        let clashes: Vec<Option<String>> = self.jobs.iter().enumerate().map(clash).collect();
+        for (job, clash) in std::mem::take(&mut self.jobs).into_iter().zip(clashes) {
+            match clash {
+                Some(message) => self.fail(&job.input, message),
+                None => self.jobs.push(job),
+            }
         }
     }
 }
@@ -232,6 +230,8 @@ fn output_name(below: &Path, extension: &str, keep_extension: bool) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::args::{Cli, Command};
+    use clap::Parser;
 
     fn tree(files: &[&str]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
@@ -244,9 +244,19 @@ mod tests {
         folder
     }
 
+    fn batch(options: &[&str]) -> Batch {
+        let line = [&["osculate", "batch", "s", "-o", "out"], options].concat();
+        let Ok(Cli { command: Command::Batch(args) }) = Cli::try_parse_from(line) else { panic!("{options:?}") };
+        Batch::new(&args).expect("a batch")
+    }
+
     fn outputs(folder: &tempfile::TempDir, arguments: &[&str]) -> (Vec<String>, Vec<String>) {
+        outputs_of(folder, arguments, &[])
+    }
+
+    fn outputs_of(folder: &tempfile::TempDir, arguments: &[&str], options: &[&str]) -> (Vec<String>, Vec<String>) {
         let arguments: Vec<PathBuf> = arguments.iter().map(|a| folder.path().join(a)).collect();
-        let found = find(&arguments, &folder.path().join("out"), "glb", false).expect("meant");
+        let found = find(&arguments, &folder.path().join("out"), &batch(options), false).expect("meant");
         let name = |path: &Path| path.to_string_lossy().into_owned();
         let failures = found.failures.iter().map(|f| f.message.clone()).collect();
         (found.jobs.iter().map(|job| name(&job.output)).collect(), failures)
@@ -282,8 +292,16 @@ mod tests {
         let (jobs, failures) = outputs(&folder, &["out/c.glb"]);
         assert!(jobs.is_empty() && failures[0].contains("is an input"), "{failures:?}");
         let root = folder.path().to_path_buf();
-        assert!(find(&[root.join("out")], &root.join("out"), "glb", false).is_err());
-        assert!(find(&["-".into()], &root.join("out"), "glb", false).is_err());
+        assert!(find(&[root.join("out")], &root.join("out"), &batch(&[]), false).is_err());
+        assert!(find(&["-".into()], &root.join("out"), &batch(&[]), false).is_err());
+        // What is written beside an output counts, too.
+        let folder = tree(&["s/a.stl", "s/a.edges.stl", "s/b.stl"]);
+        assert_eq!(outputs(&folder, &["s"]).0.len(), 3);
+        let (jobs, failures) = outputs_of(&folder, &["s"], &["--edges"]);
+        assert_eq!((jobs.as_slice(), failures.len()), (["b.glb".to_owned()].as_slice(), 2));
+        let folder = tree(&["s/a.stl", "s/a-1.stl"]);
+        let two = ["--format", "gltf", "--variants", "mean,curvedness"];
+        assert!(outputs_of(&folder, &["s"], &two).0.is_empty() && outputs_of(&folder, &["s"], &two[..2]).1.is_empty());
         assert_eq!(output_name(Path::new("x/part.stl.gz"), "csv", true), Path::new("x/part.stl.gz.csv"));
     }
 }

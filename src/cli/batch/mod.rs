@@ -24,7 +24,7 @@ pub use journal::{Counts, Status};
 pub(super) fn run(args: &BatchArgs, messages: &Messages) -> Result<Outcome, Error> {
     let start = Instant::now();
     let batch = Batch::new(args)?;
-    let Found { jobs, failures } = inputs::find(&args.inputs, &args.output, batch.extension(), args.keep_extension)?;
+    let Found { jobs, failures } = inputs::find(&args.inputs, &args.output, &batch, args.keep_extension)?;
     std::fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, "create", e))?;
     let (journal, records) = Journal::open(&args.output, args.resume)?;
     // What a killed run has left behind.

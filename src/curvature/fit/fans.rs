@@ -327,8 +327,10 @@ mod tests {
             [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [2.0, 0.0, 1.5]];
         let triangles = [[0, 2, 5], [0, 5, 1], [0, 1, 4], [0, 4, 3], [0, 3, 2]];
         let mesh = mesh(&corners, &triangles);
-        let sharp =
-            (0..5).flat_map(|f| Face(f).half_edges()).filter(|&h| mesh.edge_kind(h) == EdgeKind::Feature).count();
+        let sharp = (0..5)
+            .flat_map(|f| Face(f).half_edges())
+            .filter(|&h| mesh.edge_kind(h) == crate::EdgeKind::Feature)
+            .count();
         assert_eq!(sharp, 2);
         let work = Work::new(&NoProgress, 0);
         let ground = Ground::new(&mesh, false, &work);

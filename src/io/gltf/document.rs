@@ -140,6 +140,14 @@ fn correct_bounds(
     Ok(())
 }
 
+/// What is to be said of images in files of their own that cannot be read, and so cannot be carried over.
+pub(super) fn lost_images(draft: &Draft<'_>, opened: &Opened<'_>) -> Vec<Note> {
+    let images = draft.root.get("images").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let relative = images.iter().filter_map(|image| super::opened::is_relative(image.get("uri")?));
+    let lost = relative.filter_map(|uri| opened.image(uri).err());
+    lost.map(|why| Note::repaired(format!("an image is not carried over, since {why}"))).collect()
+}
+
 /// Puts images that lie in files of their own into the buffer. One that cannot be read stays where
 /// it is.
 fn carry_images(draft: &mut Draft<'_>, opened: &Opened<'_>) {
@@ -149,7 +157,7 @@ fn carry_images(draft: &mut Draft<'_>, opened: &Opened<'_>) {
         else {
             continue;
         };
-        let Some(bytes) = opened.image(&uri) else { continue };
+        let Ok(bytes) = opened.image(&uri) else { continue };
         let stated = draft.list("images")[i].get("mimeType").and_then(Value::as_str).map(str::to_owned);
         let Some(kind) = stated.or_else(|| super::opened::media_type(&bytes, &uri).map(str::to_owned)) else {
             continue;
@@ -210,7 +218,7 @@ fn same_values(annotation: &Annotation<'_>, quantities: &[Quantity], a: crate::F
 /// Writes settings, units and legends into the extras of every mesh with values: by them the mesh is
 /// known as ours. Where its extras are no object, those of its primitives take them.
 fn mark(annotation: &Annotation<'_>, draft: &mut Draft<'_>, targets: &[Target]) {
-    let extras = annotation.extras();
+    let extras = annotation.extras(annotation.space);
     let put = |object: &mut Object| {
         let theirs = object.entry("extras").or_insert_with(|| json!({})).as_object_mut();
         theirs.map(|theirs| theirs.insert(MARK.into(), extras[MARK].clone())).is_some()

@@ -252,8 +252,12 @@ fn extend(bytes: &mut Vec<u8>, point: [f32; 3]) {
 
 /// A point in the output's space, as stored. `remainder` is what the node's translation leaves over.
 fn stored_point(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32; 3] {
-    let clamp = |c: f64| c.clamp(f32::MIN.into(), f32::MAX.into()) as f32;
-    (annotation.space.point(p) + remainder).to_array().map(clamp)
+    single(annotation.space.point(p) + remainder)
+}
+
+/// Coordinates as 32-bit floats: those beyond them as the largest.
+pub(super) fn single(p: DVec3) -> [f32; 3] {
+    p.to_array().map(|c| c.clamp(f32::MIN.into(), f32::MAX.into()) as f32)
 }
 
 /// A vertex of faces that are left out for it still needs a place.

@@ -2,7 +2,7 @@
 //!
 //! Always a file of their own: MeshLab takes lines in a file with triangles for triangles.
 
-use super::layout::check_glb_length;
+use super::layout::{check_glb_length, single};
 use super::write::write_chunks;
 use crate::annotation::Space;
 use crate::color::linear_factor;
@@ -58,14 +58,13 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
             ..Default::default()
         });
         let mut primitives = Vec::with_capacity(strips.len());
-        let single = matches!(strips.as_slice(), [(json::mesh::Mode::Lines, _)]);
+        let is_single = matches!(strips.as_slice(), [(json::mesh::Mode::Lines, _)]);
         for (mode, points) in strips {
-            let stored: Vec<[f32; 3]> =
-                points.iter().map(|&p| (scene.space.point(p) + remainder).as_vec3().to_array()).collect();
+            let stored: Vec<[f32; 3]> = points.iter().map(|&p| single(scene.space.point(p) + remainder)).collect();
             let position = root.push(accessor(&stored, bin.len() as u64));
             bin.extend(stored.as_flattened().iter().flat_map(|c| c.to_le_bytes()));
             let mut attributes: BTreeMap<_, _> = [(Checked::Valid(json::mesh::Semantic::Positions), position)].into();
-            for (name, dimension, values) in layer.values.iter().filter(|_| single) {
+            for (name, dimension, values) in layer.values.iter().filter(|_| is_single) {
                 let factor = scene.space.factor(*dimension);
                 let drawn = layer.lines.iter().zip(values).filter(|(line, _)| line.points.len() > 1);
                 let stored: Vec<f32> = drawn.flat_map(|(_, &value)| [(value * factor) as f32; 2]).collect();

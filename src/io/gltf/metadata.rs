@@ -98,7 +98,7 @@ fn add_table(annotation: &Annotation<'_>, draft: &mut Draft<'_>, quantities: &[Q
 
 /// What a column holds.
 fn property(annotation: &Annotation<'_>, quantity: Quantity) -> Value {
-    let unit = annotation.unit_of(quantity);
+    let unit = annotation.space.unit_of(quantity);
     let mut property = match quantity {
         Quantity::Face => json!({ "type": "SCALAR", "componentType": "UINT32" }),
         Quantity::Class => json!({ "type": "ENUM", "enumType": CLASSES }),

@@ -79,12 +79,9 @@ impl<'o> Opened<'o> {
         Accessors::new(&self.document.accessors, buffers)
     }
 
-    /// The content of an image in a file of its own; `None` where it cannot be had.
-    pub(super) fn image(&self, uri: &str) -> Option<Vec<u8>> {
-        if has_scheme(uri) {
-            return None;
-        }
-        load(uri, self.folders()).ok().map(|bytes| bytes.into_owned())
+    /// The content of an image in a file of its own, of a relative name, or why it cannot be had.
+    pub(super) fn image(&self, uri: &str) -> Result<Vec<u8>, String> {
+        load(uri, self.folders()).map(|bytes| bytes.into_owned())
     }
 
     /// Names the original in an error.

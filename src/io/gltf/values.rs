@@ -62,6 +62,15 @@ pub(in crate::io) fn read_values(scene: &Scene) -> Result<Option<StoredValues>, 
     read().map_err(|e| opened.error(e))
 }
 
+/// True where all primitives are marked as ours; their values may still turn out not to be usable.
+pub(in crate::io) fn are_marked(scene: &Scene) -> bool {
+    let is_marked = |opened: Opened<'_>| {
+        let root = opened.root().ok()?;
+        Some(scene.primitives.iter().all(|place| marked(&root, place).is_some()))
+    };
+    Opened::new(scene).ok().flatten().and_then(is_marked).unwrap_or(false)
+}
+
 /// CSV column and glTF attribute of every component of every quantity.
 fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     Quantity::ALL.into_iter().flat_map(|q| q.columns().iter().copied().zip(q.attributes().iter().copied()))

@@ -6,7 +6,7 @@
 
 use super::accessor::Accessors;
 use super::columns::Columns;
-use super::document::{Document, build, prepare};
+use super::document::{Document, build, lost_images, prepare};
 use super::draft::{Packed, Piece};
 use super::layout::check_glb_length;
 use super::opened::Opened;
@@ -24,15 +24,23 @@ use std::path::{Path, PathBuf};
 const LARGEST_BUFFER: u64 = 1 << 31;
 
 /// Looks at an original before any work is done: what stands in the way of carrying it over is an
-/// error, what is to be said of it a note.
+/// error, what is to be said of it a note. The output will lie in `folder`, unless it is a stream.
 ///
 /// # Errors
 /// [`Error::Parse`] with the place.
-pub(in crate::io) fn check_original(scene: &Scene, force: bool, metadata: bool) -> Result<Vec<Note>, Error> {
+pub(in crate::io) fn check_original(
+    scene: &Scene,
+    folder: Option<&Path>,
+    force: bool,
+    metadata: bool,
+) -> Result<Vec<Note>, Error> {
     let mut notes = Vec::new();
     if let Some(opened) = Opened::new(scene)? {
         let accessors = opened.accessors();
         let (draft, ..) = prepare(&opened, &accessors, opened.primitives, force, &mut notes)?;
+        if !folder.is_some_and(|folder| opened.is_in(folder)) {
+            notes.extend(lost_images(&draft, &opened));
+        }
         if metadata {
             super::metadata::check(&draft.root).map_err(|e| opened.error(e))?;
         }
@@ -127,10 +135,14 @@ pub(super) fn write_chunks(
 }
 
 /// The files that a `.gltf` of so many faces and colour scales may consist of.
-pub(in crate::io) fn files_beside(path: &Path, faces: usize, scales: usize) -> Vec<PathBuf> {
+pub(in crate::io) fn most_files(path: &Path, faces: usize, scales: usize) -> Vec<PathBuf> {
     // No face takes more than 400 bytes: 17 values and colours in three corners. What an original has
     // besides would have to be huge to fill one buffer more.
-    let buffers = 2 + (400 * faces as u64 / LARGEST_BUFFER) as usize;
+    files_of(path, 2 + (400 * faces as u64 / LARGEST_BUFFER) as usize, scales)
+}
+
+/// A `.gltf` with so many buffers and palettes.
+pub(in crate::io) fn files_of(path: &Path, buffers: usize, scales: usize) -> Vec<PathBuf> {
     let beside = (0..buffers).map(External::Buffer).chain((0..scales).map(External::Image));
     std::iter::once(path.to_path_buf()).chain(beside.map(|file| path.with_file_name(file.name(path)))).collect()
 }

@@ -109,9 +109,12 @@ impl<'m> Plate<'m> {
     }
 
     fn add(&mut self, part: &str, name: &str, mesh: &Mesh, transform: DAffine3) -> Result<(), ParseError> {
-        let total = self.triangles.len() + mesh.triangles.len();
-        if total > MAX_FACES || total > FREE_FACES.max(self.bytes.saturating_mul(FACES_PER_BYTE)) {
-            return Err(ParseError::file(format!("{part}: copies of its objects add up to {total} faces or more")));
+        let most = MAX_FACES.min(FREE_FACES.max(self.bytes.saturating_mul(FACES_PER_BYTE)));
+        let faces = self.triangles.len() + mesh.triangles.len();
+        let vertices = self.positions.len() + mesh.positions.len();
+        if faces.max(vertices) > most {
+            let what = format!("copies of its objects add up to {faces} faces and {vertices} vertices or more");
+            return Err(ParseError::file(format!("{part}: {what}")));
         }
         let (first_face, first, count) = (self.triangles.len(), self.positions.len() as u32, mesh.positions.len());
         // A mirror turns the faces over, so that what was outside would be inside.
@@ -253,6 +256,16 @@ mod tests {
         }
         let error = read_model(&objects, "<item objectid='29'/>").expect_err("too many").to_string();
         assert!(error.contains("multiply"), "{error}");
+    }
+
+    /// Vertices that no triangle names are copied with every placement, too.
+    #[test]
+    fn copies_of_many_vertices_are_an_error() {
+        let vertices = "<vertex x='0' y='0' z='0'/>".repeat(20_000);
+        let object =
+            format!("<object id='1'>{}</object>", MESH.replacen("<vertices>", &format!("<vertices>{vertices}"), 1));
+        let error = read_model(&object, &"<item objectid='1'/>".repeat(1000)).expect_err("too many").to_string();
+        assert!(error.contains("vertices or more"), "{error}");
     }
 
     #[test]

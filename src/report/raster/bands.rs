@@ -113,7 +113,8 @@ impl Samples {
             first..((high - 0.5).floor() + 1.0).clamp(0.0, count as f64) as usize
         };
         for y in range(low.y, high.y, rows) {
-            for x in range(low.x, high.x, columns) {
+            let (left, right) = across([a, b, c], y as f64 + 0.5);
+            for x in range(left.max(low.x), right.min(high.x), columns) {
                 let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let [u, v] = [(c - b).perp_dot(p - b) / area, (a - c).perp_dot(p - c) / area];
                 let w = 1.0 - u - v;
@@ -150,6 +151,19 @@ impl Samples {
         };
         (0..self.width * self.rows).map(pixel).collect()
     }
+}
+
+/// Where a line of a height enters and leaves a triangle that it meets, with some slack.
+fn across(corners: [DVec2; 3], y: f64) -> (f64, f64) {
+    const SLACK: f64 = 1.0;
+    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (corners[i], corners[j])) {
+        if (p.y - y) * (q.y - y) <= 0.0 && p.y != q.y {
+            let x = p.x + (q.x - p.x) * ((y - p.y) / (q.y - p.y));
+            (left, right) = (left.min(x), right.max(x));
+        }
+    }
+    (left - SLACK, right + SLACK)
 }
 
 /// An sRGB channel of linear light.

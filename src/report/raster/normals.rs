@@ -32,7 +32,12 @@ pub(super) fn of_corners(display: &Display, turn: impl Fn(DVec3) -> Vec3 + Sync)
         next[v as usize] += 1;
     }
     let corner = |face: usize, v: u32| {
+        /// Faces around a vertex, from which on each has its own normal: to hold each against all takes their square.
+        const CROWDED: usize = 64;
         let faces = &around[starts[v as usize] as usize..starts[v as usize + 1] as usize];
+        if faces.len() >= CROWDED {
+            return units[face];
+        }
         let alike = faces.iter().map(|&f| f as usize).filter(|&f| units[f].dot(units[face]) > CREASE);
         let sum: DVec3 = alike.map(|f| areas[f]).sum();
         sum.try_normalize().unwrap_or(units[face])
