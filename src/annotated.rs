@@ -1,7 +1,6 @@
 //! A mesh whose values are known, on its way into files: the second half of annotating.
 
-use crate::annotate::{AnnotateOptions, keep_settings, note_of_lost_values, note_of_weak_values};
-use crate::annotation::{Annotation, ColorCarrier, Space};
+use crate::annotation::{Annotation, ColorCarrier};
 use crate::color::ColorScale;
 use crate::condition::Condition;
 use crate::curvature::FaceCurvature;
@@ -10,9 +9,12 @@ use crate::error::Error;
 use crate::io::{self, Destination, InputFormat, LineScene, Output, OutputFormat};
 use crate::legend;
 use crate::mesh::{Face, Mesh};
+use crate::options::{AnnotateOptions, keep_settings};
 use crate::progress::Progress;
 use crate::quantity::Quantity;
 use crate::soup::{Note, Scene};
+use crate::space::Space;
+use crate::value_notes::{note_of_lost_values, note_of_weak_values};
 use crate::vertex_values::VertexValues;
 use rayon::prelude::*;
 use serde_json::Value;

@@ -45,6 +45,7 @@ mod legend;
 mod lines;
 mod mesh;
 mod numbers;
+mod options;
 mod order_statistics;
 mod place;
 mod progress;
@@ -52,12 +53,14 @@ mod quantity;
 mod report;
 mod section;
 mod soup;
+mod space;
 mod statistics;
 mod stored;
 pub mod synth;
 mod trace;
 mod triangulate;
 mod unfolding;
+mod value_notes;
 mod vertex_values;
 mod wording;
 
@@ -67,9 +70,9 @@ pub mod stages {
     pub use crate::mesh::stages::{connect, weld};
 }
 
-pub use annotate::{AnnotateOptions, annotate};
+pub use annotate::annotate;
 pub use annotated::{Annotated, Written};
-pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout, Space, Unit, UpAxis};
+pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout};
 pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
 pub use condition::Condition;
 pub use curvature::{
@@ -91,12 +94,14 @@ pub use mesh::{
     Across, Bounds, EdgeCounts, EdgeKind, Face, FaceState, FirstDefects, HalfEdge, Mesh, MeshOptions, MeshReport,
     PositionsRef, SameVertex, Topology, Vertex,
 };
+pub use options::AnnotateOptions;
 pub use place::Place;
 pub use progress::{NoProgress, Progress, Stage};
 pub use quantity::{Quantity, Selection};
 pub use report::{PictureOptions, ReportOptions, Reported, ViewFrom, report};
 pub use section::{Crossing, Features, Plane, Stop};
 pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces, Scene, Soup, Transform};
+pub use space::{Space, Unit, UpAxis};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
 pub use stored::StoredValues;
 pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};

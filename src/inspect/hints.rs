@@ -1,10 +1,10 @@
 //! Settings that a file seems to need: said only where the data speak for them.
 
 use super::EdgeLengths;
-use crate::annotation::Unit;
 use crate::io::InputFormat;
 use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh, MeshOptions};
 use crate::soup::Soup;
+use crate::space::Unit;
 use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 

@@ -10,7 +10,6 @@ mod thin;
 
 pub use raster::{PictureOptions, ViewFrom};
 
-use crate::annotation::{Unit, UpAxis};
 use crate::color::{self, ColorScale, Colormap, Range};
 use crate::curvature::CurvatureOptions;
 use crate::error::Error;
@@ -19,6 +18,7 @@ use crate::mesh::{MeshOptions, MeshReport};
 use crate::progress::{Progress, Stage};
 use crate::quantity::Quantity;
 use crate::soup::Note;
+use crate::space::{Unit, UpAxis};
 use display::Display;
 use page::Model;
 use std::path::{Path, PathBuf};

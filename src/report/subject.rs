@@ -1,17 +1,18 @@
 //! One mesh of a report: read, estimated, and everything that is told about it.
 
 use super::ReportOptions;
-use crate::annotate::{AnnotateOptions, OF_ESTIMATION, keep_settings, note_of_lost_values, note_of_weak_values};
-use crate::annotation::{Space, Unit};
 use crate::curvature::{self, Estimator, FaceCurvature};
 use crate::error::Error;
 use crate::inspect::Inspection;
 use crate::io::{self, InputFormat};
 use crate::mesh::Mesh;
+use crate::options::{AnnotateOptions, OF_ESTIMATION, keep_settings};
 use crate::progress::Progress;
 use crate::quantity::Quantity;
 use crate::soup::{Group, Note};
+use crate::space::{Space, Unit};
 use crate::stored::StoredValues;
+use crate::value_notes::{note_of_lost_values, note_of_weak_values};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

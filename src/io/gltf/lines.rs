@@ -4,11 +4,11 @@
 
 use super::layout::{check_glb_length, single};
 use super::write::write_chunks;
-use crate::annotation::Space;
 use crate::color::linear_factor;
 use crate::error::Error;
 use crate::io::Output;
 use crate::lines::{Layer, Polyline};
+use crate::space::Space;
 use glam::DVec3;
 use gltf_json as json;
 use json::Index;

@@ -1,10 +1,10 @@
 //! The legend below a picture: what is shown, its colours and their values.
 
-use crate::annotation::Unit;
 use crate::color::{ColorScale, Rgb, class_index, scale_index};
 use crate::curvature::FaceClass;
 use crate::legend::number;
 use crate::quantity::Quantity;
+use crate::space::Unit;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// Rows that it takes.
