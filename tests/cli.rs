@@ -292,7 +292,7 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
         (file("cut.glb", &fixture("suzanne.glb")[..9000]), "byte"),
         (file("cut.gltf", &fixture("two_meshes.gltf")[..900]), "line"),
         (file("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1"), "line 3"),
-        (file("range.obj", format!("{triangle}f 1 2 4\n").as_bytes()), "line 4: vertex 4 is out of range"),
+        (file("range.obj", format!("{triangle}f 1 2 4\n").as_bytes()), "such as vertex 4 in line 4"),
         (file("range.ply", ply("0 0 0 1 0 0 0 1 0", "3 0 1 3").as_bytes()), "out of range"),
         (file("cloud.obj", triangle.as_bytes()), "no faces"),
         (file("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "finite"),
@@ -310,7 +310,12 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
 #[test]
 fn part_of_a_mesh_is_better_than_none() {
     let folder = folder();
-    let cases: [(&str, Vec<u8>, &str); 5] = [
+    let cases: [(&str, Vec<u8>, &str); 6] = [
+        (
+            "wild.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 9\n".to_vec(),
+            "1 face left out for a vertex number out of range (there are 3 vertices), such as vertex 9 in line 5",
+        ),
         ("cut.stl", fixture("suzanne.stl")[..20_000].to_vec(), "promises 968"),
         ("cut_ascii.stl", fixture("suzanne_meshlab_ascii.stl")[..20_000].to_vec(), "ends inside a facet"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 3 4\n".to_vec(), "1 face with NaN"),

@@ -5,11 +5,11 @@
 //! Tests compare the two on files that both read.
 
 use super::folders::Folders;
+use super::polygons::Polygons;
 use super::text::{self, Lines, Words};
 use crate::error::ParseError;
-use crate::soup::{Group, MAX_FACES, Note, Positions, Soup, short_name};
-use crate::triangulate::{Effort, Outcome, triangulate};
-use glam::DVec3;
+use crate::soup::{Note, Positions, Soup, short_name};
+use crate::wording::counted;
 
 /// True when one of the first lines is a vertex or face statement.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
@@ -23,16 +23,6 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
 /// Statements of material files, and names in one of them, that are looked for.
 const MOST_LIBRARIES: usize = 100;
 
-/// Polygons as read, before all positions are known: a face may name a vertex of a later line.
-#[derive(Default)]
-struct Polygons {
-    corners: Vec<u32>,
-    /// The end of each polygon in `corners`.
-    ends: Vec<usize>,
-    /// The largest vertex number (from 0) and its line.
-    largest: Option<(u32, u64)>,
-}
-
 /// Reads an OBJ. `folders` are where its materials are looked for, which is only told about.
 pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<Soup, ParseError> {
     let folders = folders.into();
@@ -41,6 +31,8 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
     // Per group: its name and the number of polygons before it.
     let mut groups: Vec<(String, usize)> = Vec::new();
     let (mut object, mut group, mut material) = (String::new(), String::new(), String::new());
+    // The largest vertex number, from 0, as it is written, and its line.
+    let mut largest: Option<(u32, i64, u64)> = None;
     let mut too_few = Vec::new();
     let mut libraries: Vec<(u64, String)> = Vec::new();
 
@@ -59,10 +51,19 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
             Some(b"v") => positions.push(position(words, line, content)?),
             // The old name of faces.
             Some(b"f" | b"fo") => {
-                let corners = polygons.push(words, positions.len(), line)?;
-                if corners < 3 {
-                    polygons.drop_last(corners);
+                for word in words {
+                    let index = vertex_index(word, line)?;
+                    let corner = corner(index, positions.len());
+                    if largest.is_none_or(|(largest, ..)| corner > largest) {
+                        largest = Some((corner, index, line));
+                    }
+                    polygons.corner(corner);
+                }
+                if polygons.open_corners() < 3 {
+                    polygons.drop_face();
                     too_few.push(line);
+                } else {
+                    polygons.end_face();
                 }
             }
             Some(keyword @ (b"o" | b"g" | b"usemtl")) => {
@@ -79,8 +80,8 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
                     (object, group) => short_name(&format!("{object}/{group}")).to_owned(),
                 };
                 // Of names without a face between them only the last counts.
-                groups.pop_if(|(_, before)| *before == polygons.ends.len());
-                groups.push((full, polygons.ends.len()));
+                groups.pop_if(|(_, before)| *before == polygons.count());
+                groups.push((full, polygons.count()));
             }
             Some(b"mtllib") if libraries.len() < MOST_LIBRARIES => {
                 let names = String::from_utf8_lossy(content.trim_ascii()[b"mtllib".len()..].trim_ascii());
@@ -90,8 +91,17 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
             _ => {}
         }
     }
-    polygons.check(positions.len())?;
-    let mut soup = build(positions, &polygons, &groups, &too_few)?;
+    if polygons.count() == 0 && !too_few.is_empty() {
+        return Err(ParseError::file("there are no faces with three or more corners"));
+    }
+    let largest = largest.map(|(_, index, line)| format!("vertex {index} in line {line}"));
+    let mut soup = polygons.into_grouped(Positions::F64(positions), &groups, largest.as_deref())?;
+    if let Some(line) = too_few.first() {
+        soup.notes.push(Note::repaired(format!(
+            "{} left out for having fewer than three corners, the first in line {line}",
+            counted(too_few.len(), "face")
+        )));
+    }
     look_for(&libraries, folders, &mut soup);
     Ok(soup)
 }
@@ -156,118 +166,21 @@ fn position(mut words: Words<'_>, line: u64, content: &[u8]) -> Result<[f64; 3],
     Ok(point)
 }
 
-impl Polygons {
-    /// Reads the corners `v`, `v/vt`, `v//vn` or `v/vt/vn` of a face; returns how many there are.
-    fn push<'w>(
-        &mut self,
-        words: impl Iterator<Item = &'w [u8]>,
-        vertices: usize,
-        line: u64,
-    ) -> Result<usize, ParseError> {
-        let start = self.corners.len();
-        for word in words {
-            let index = word.split(|&b| b == b'/').next().unwrap_or_default();
-            let index = text::integer(index)
-                .ok_or_else(|| ParseError::line(line, format!("{} is no vertex number", text::quoted(word))))?;
-            // Positive numbers count from the file's first vertex, negative ones back from here.
-            let corner = match index {
-                0 => return Err(ParseError::line(line, "vertex number 0: they start at 1")),
-                1.. => index - 1,
-                _ => index.checked_add(vertices as i64).filter(|&i| i >= 0).ok_or_else(|| {
-                    ParseError::line(
-                        line,
-                        format!("vertex {index} counts back before the first of {vertices} vertices"),
-                    )
-                })?,
-            };
-            let corner =
-                u32::try_from(corner).map_err(|_| ParseError::line(line, format!("vertex {index} is out of range")))?;
-            if self.largest.is_none_or(|(largest, _)| corner > largest) {
-                self.largest = Some((corner, line));
-            }
-            self.corners.push(corner);
-        }
-        self.ends.push(self.corners.len());
-        Ok(self.corners.len() - start)
-    }
-
-    fn drop_last(&mut self, corners: usize) {
-        self.ends.pop();
-        self.corners.truncate(self.corners.len() - corners);
-    }
-
-    fn check(&self, vertices: usize) -> Result<(), ParseError> {
-        match self.largest {
-            Some((largest, line)) if largest as usize >= vertices => Err(ParseError::line(
-                line,
-                format!("vertex {} is out of range: the file has {vertices} vertices", u64::from(largest) + 1),
-            )),
-            None => Err(ParseError::file("there are no faces; a point cloud must be meshed first")),
-            _ if self.corners.len() - 2 * self.ends.len() > MAX_FACES => {
-                Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")))
-            }
-            _ => Ok(()),
-        }
+/// What a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` names its vertex by.
+fn vertex_index(word: &[u8], line: u64) -> Result<i64, ParseError> {
+    let index = word.split(|&b| b == b'/').next().unwrap_or_default();
+    match text::integer(index) {
+        Some(0) => Err(ParseError::line(line, "vertex number 0: they start at 1")),
+        Some(index) => Ok(index),
+        None => Err(ParseError::line(line, format!("{} is no vertex number", text::quoted(word)))),
     }
 }
 
-fn build(
-    positions: Vec<[f64; 3]>,
-    polygons: &Polygons,
-    groups: &[(String, usize)],
-    too_few: &[u64],
-) -> Result<Soup, ParseError> {
-    let mut triangles = Vec::with_capacity(polygons.corners.len() - 2 * polygons.ends.len());
-    let (mut rough, mut effort) = (0, Effort::default());
-    let mut spans: Vec<Group> = Vec::new();
-    let mut next_group = groups.iter().peekable();
-    let mut start = 0;
-    for (i, &end) in polygons.ends.iter().enumerate() {
-        while let Some((name, _)) = next_group.next_if(|(_, before)| *before <= i) {
-            begin_group(&mut spans, name, triangles.len() as u32);
-        }
-        let corners = &polygons.corners[start..end];
-        if triangulate(corners, |c| DVec3::from_array(positions[c as usize]), &mut effort, &mut triangles)
-            == Outcome::Rough
-        {
-            rough += 1;
-        }
-        start = end;
-    }
-    if triangles.is_empty() {
-        return Err(ParseError::file("there are no faces with three or more corners"));
-    }
-    if let Some(last) = spans.last_mut() {
-        last.faces.end = triangles.len() as u32;
-    }
-    let mut soup = Soup::new(Positions::F64(positions), triangles);
-    soup.groups = spans;
-    if let Some(line) = too_few.first() {
-        soup.notes.push(Note::repaired(format!(
-            "{} faces with fewer than three corners are left out, the first in line {line}",
-            too_few.len()
-        )));
-    }
-    if rough > 0 {
-        soup.notes.push(Note::info(format!(
-            "{rough} polygons cross themselves, have no area or are too long; their triangles may overlap"
-        )));
-    }
-    Ok(soup)
-}
-
-/// Ends the group before and begins the next; a group without faces leaves no trace.
-fn begin_group(spans: &mut Vec<Group>, name: &str, at: u32) {
-    spans.pop_if(|last| last.faces.start == at);
-    match spans.last_mut() {
-        Some(last) if last.name == name => {}
-        last => {
-            if let Some(last) = last {
-                last.faces.end = at;
-            }
-            spans.push(Group { name: name.to_owned(), faces: at..at });
-        }
-    }
+/// The number of a vertex, from 0: positive ones count from the file's first vertex, negative ones back from the last of so
+/// many. One that no vertex has stands for all that are out of range.
+fn corner(index: i64, vertices: usize) -> u32 {
+    let from_first = if index > 0 { Some(index - 1) } else { index.checked_add(vertices as i64) };
+    from_first.and_then(|corner| u32::try_from(corner).ok()).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]
@@ -324,6 +237,16 @@ mod tests {
         assert_eq!(groups, [("body/left", 0..2), ("tail/left", 2..3)]);
     }
 
+    /// What is left out moves groups, in triangles and in polygons.
+    #[test]
+    fn faces_out_of_range_are_left_out_of_their_groups() {
+        let text = format!("{SQUARE}g a\nf 1 2 3\nf 1 2 9\ng b\nf 1 3 4\nf 1 2 3 4\ng c\nf 1 2 3 8\ng d\nf 2 3 4\n");
+        let soup = read(text.as_bytes(), None).expect("readable");
+        let groups: Vec<_> = soup.groups.iter().map(|g| (g.name.as_str(), g.faces.clone())).collect();
+        assert_eq!(groups, [("a", 0..1), ("b", 1..4), ("d", 4..5)]);
+        assert!(soup.notes[0].repaired && soup.notes[0].message.starts_with("2 faces left out"), "{:?}", soup.notes);
+    }
+
     #[test]
     fn materials_name_what_has_no_other_name() {
         let text = format!("{SQUARE}usemtl shiny red\nf 1 2 3\nusemtl blue\nf 1 3 4\ng left\nusemtl green\nf 2 3 4\n");
@@ -357,13 +280,14 @@ mod tests {
     #[test]
     fn mistakes_are_named_with_their_line() {
         for (face, line) in [
-            ("f 1 2 9", "line 5: vertex 9"),
+            ("f 1 2 9", "such as vertex 9 in line 5"),
             ("f 0 1 2", "line 5: vertex number 0"),
-            ("f -9 1 2", "line 5: vertex -9"),
+            ("f -9 1 2", "such as vertex -9 in line 5"),
+            ("f 1 9999999999 2", "such as vertex 9999999999 in line 5"),
             ("f a b c", "line 5: \"a\""),
         ] {
             let error = read(format!("{SQUARE}{face}\n").as_bytes(), None).expect_err(face).to_string();
-            assert!(error.starts_with(line), "{error}");
+            assert!(error.contains(line), "{error}");
         }
         assert!(read(b"v 1 2\n", None).expect_err("two numbers").to_string().starts_with("line 1: "));
         let error = read(b"v 1,5 2,5 3\n", None).expect_err("commas").to_string();

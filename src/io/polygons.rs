@@ -1,8 +1,10 @@
-//! Polygons over numbered vertices, as PLY and OFF files list them, and their triangles.
+//! Polygons over numbered vertices, as OBJ, PLY and OFF files list them, and their triangles.
 
 use crate::error::ParseError;
-use crate::soup::{MAX_FACES, Note, Positions, Soup};
+use crate::soup::{Group, MAX_FACES, Note, Positions, Soup};
 use crate::triangulate::{Effort, Outcome, triangulate};
+use crate::wording::counted;
+use rayon::prelude::*;
 
 /// Polygons as read. Corners are checked at the end: faces may come before the vertices.
 #[derive(Default)]
@@ -57,6 +59,21 @@ impl Polygons {
         }
     }
 
+    /// Polygons that have ended and have not been dropped.
+    pub(super) fn count(&self) -> usize {
+        self.triangles.len() + self.ends.len()
+    }
+
+    /// Corners of the current polygon.
+    pub(super) fn open_corners(&self) -> usize {
+        self.corners.len() - self.ended()
+    }
+
+    /// Drops the current polygon.
+    pub(super) fn drop_face(&mut self) {
+        self.corners.truncate(self.ended());
+    }
+
     /// The corners of polygons that have ended.
     #[inline]
     fn ended(&self) -> usize {
@@ -77,7 +94,18 @@ impl Polygons {
 
     /// The triangles over `positions`. Polygons that name other vertices are left out and told.
     pub(super) fn into_soup(self, positions: Positions) -> Result<Soup, ParseError> {
-        if self.triangles.is_empty() && self.ends.is_empty() {
+        self.into_grouped(positions, &[], None)
+    }
+
+    /// The same with groups, each a name and the number of polygons before it, which ends the one before. `largest` says
+    /// where the largest vertex number stands, if that is known.
+    pub(super) fn into_grouped(
+        self,
+        positions: Positions,
+        groups: &[(String, usize)],
+        largest: Option<&str>,
+    ) -> Result<Soup, ParseError> {
+        if self.count() == 0 {
             return Err(ParseError::file("there are no faces: a point cloud must be meshed first"));
         }
         let count = positions.len();
@@ -86,20 +114,29 @@ impl Polygons {
             return Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")));
         }
         let mut outside = Outside::default();
+        let mut spans = Spans { left: groups, spans: Vec::new() };
         let mut triangles = self.triangles;
         let before = triangles.len();
-        let largest = triangles.as_flattened().iter().fold(0, |largest, &corner| largest.max(corner));
-        if largest as usize >= count {
-            let mut face = 0;
-            triangles.retain(|corners| {
-                face += 1;
-                outside.all_inside(face - 1, corners, count)
-            });
+        if triangles.par_iter().any(|corners| corners.iter().any(|&corner| corner as usize >= count)) {
+            let mut kept = 0;
+            for face in 0..before {
+                spans.reach(face, kept);
+                if outside.all_inside(face, &triangles[face], count) {
+                    triangles[kept] = triangles[face];
+                    kept += 1;
+                }
+            }
+            triangles.truncate(kept);
+        } else {
+            while let Some(&(_, face)) = spans.left.first().filter(|(_, face)| *face < before) {
+                spans.reach(face, face);
+            }
         }
         triangles.reserve_exact(more);
         let (mut rough, mut start, mut effort) = (0, 0, Effort::default());
         for (i, &end) in self.ends.iter().enumerate() {
             let corners = &self.corners[start..end];
+            spans.reach(before + i, triangles.len());
             if outside.all_inside(before + i, corners, count)
                 && triangulate(corners, |c| positions.get(c as usize), &mut effort, &mut triangles) == Outcome::Rough
             {
@@ -107,21 +144,27 @@ impl Polygons {
             }
             start = end;
         }
+        let example = largest.map(|largest| format!(", such as {largest}")).unwrap_or_default();
         if triangles.is_empty() {
             return Err(ParseError::file(format!(
-                "all faces name vertices out of range: the file has {count} vertices"
+                "all faces name vertices out of range: the file has {count} vertices{example}"
             )));
         }
+        let end = triangles.len();
         let mut soup = Soup::new(positions, triangles);
+        soup.groups = spans.ended(end);
         if let Outside { faces: 1.., first } = outside {
+            let example = if example.is_empty() { format!(", the first is face {first}") } else { example };
             soup.notes.push(Note::repaired(format!(
-                "{} faces name vertices out of range ({count} vertices) and are left out, the first is face {first}",
-                outside.faces
+                "{} left out for a vertex number out of range (there are {count} vertices){example}",
+                counted(outside.faces, "face")
             )));
         }
         if self.too_few > 0 {
-            soup.notes
-                .push(Note::repaired(format!("{} faces with fewer than three corners are left out", self.too_few)));
+            soup.notes.push(Note::repaired(format!(
+                "{} left out for having fewer than three corners",
+                counted(self.too_few, "face")
+            )));
         }
         if rough > 0 {
             soup.notes.push(Note::info(format!(
@@ -129,6 +172,47 @@ impl Polygons {
             )));
         }
         Ok(soup)
+    }
+}
+
+/// Groups on their way from polygons to triangles.
+struct Spans<'g> {
+    /// Names, each with the number of polygons before it.
+    left: &'g [(String, usize)],
+    spans: Vec<Group>,
+}
+
+impl Spans<'_> {
+    /// Begins the groups that begin at a polygon or before, of which so many triangles have been made.
+    fn reach(&mut self, polygon: usize, triangles: usize) {
+        while let [(name, before), left @ ..] = self.left
+            && *before <= polygon
+        {
+            self.begin(name, triangles as u32);
+            self.left = left;
+        }
+    }
+
+    /// Ends the group before and begins the next; a group without faces leaves no trace.
+    fn begin(&mut self, name: &str, at: u32) {
+        self.spans.pop_if(|last| last.faces.start == at);
+        match self.spans.last_mut() {
+            Some(last) if last.name == name => {}
+            last => {
+                if let Some(last) = last {
+                    last.faces.end = at;
+                }
+                self.spans.push(Group { name: name.to_owned(), faces: at..at });
+            }
+        }
+    }
+
+    fn ended(mut self, triangles: usize) -> Vec<Group> {
+        self.spans.pop_if(|last| last.faces.start as usize == triangles);
+        if let Some(last) = self.spans.last_mut() {
+            last.faces.end = triangles as u32;
+        }
+        self.spans
     }
 }
 

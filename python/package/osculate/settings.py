@@ -77,7 +77,8 @@ class AnnotateSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
@@ -121,7 +122,8 @@ class EstimateSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
@@ -165,7 +167,8 @@ class ConvertSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
@@ -182,10 +185,12 @@ class ConvertSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
+    #: The input's up axis; what is written as glTF or drawn is turned so that it becomes +Y. glTF is y always.
+    #: Default: z for STL and 3MF, y for others.
     up: Literal["y", "z"] | None
 
-    #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
+    #: The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in
+    #: metres always. Default: lengths stay as they are.
     unit: Literal["mm", "cm", "m", "in"] | None
 
     #: Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss, gauss_perimeter,
@@ -209,6 +214,8 @@ class ConvertSettings(TypedDict, total=False):
         "shape_index",
         "curvedness",
         "class",
+        "coverage",
+        "confidence",
         "none",
     ] | None
 
@@ -232,7 +239,8 @@ class ConvertSettings(TypedDict, total=False):
     range: Union[tuple[float, float], str] | None
 
     #: Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants), separated by
-    #: commas; --color-by is shown first where it is among them, otherwise the first is.
+    #: commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class, coverage, confidence;
+    #: --color-by is shown first where it is among them, otherwise the first is.
     variants: Union[str, Sequence[str]] | None
 
     #: How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear light (by the
@@ -245,7 +253,7 @@ class ConvertSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_.
+    #: vertex quality and properties; NPZ: arrays vertex_....
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
@@ -284,7 +292,8 @@ class ConvertSettings(TypedDict, total=False):
     #: Fail if the output exists instead of replacing it.
     no_clobber: bool | None
 
-    #: Also write counts, seconds per stage and percentiles of the values as JSON.
+    #: Also write counts, seconds per stage and percentiles of the values, in the input's unit, as JSON. - for
+    #: standard output.
     stats: Path | None
 
     # General
@@ -298,10 +307,12 @@ class WriteSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
+    #: The input's up axis; what is written as glTF or drawn is turned so that it becomes +Y. glTF is y always.
+    #: Default: z for STL and 3MF, y for others.
     up: Literal["y", "z"] | None
 
-    #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
+    #: The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in
+    #: metres always. Default: lengths stay as they are.
     unit: Literal["mm", "cm", "m", "in"] | None
 
     #: Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss, gauss_perimeter,
@@ -325,6 +336,8 @@ class WriteSettings(TypedDict, total=False):
         "shape_index",
         "curvedness",
         "class",
+        "coverage",
+        "confidence",
         "none",
     ] | None
 
@@ -348,7 +361,8 @@ class WriteSettings(TypedDict, total=False):
     range: Union[tuple[float, float], str] | None
 
     #: Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants), separated by
-    #: commas; --color-by is shown first where it is among them, otherwise the first is.
+    #: commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class, coverage, confidence;
+    #: --color-by is shown first where it is among them, otherwise the first is.
     variants: Union[str, Sequence[str]] | None
 
     #: How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear light (by the
@@ -361,7 +375,7 @@ class WriteSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_.
+    #: vertex quality and properties; NPZ: arrays vertex_....
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
@@ -430,7 +444,8 @@ class BatchSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
@@ -447,10 +462,12 @@ class BatchSettings(TypedDict, total=False):
 
     # Output
 
-    #: The input's up axis; glTF output is turned so that it becomes +Y. Default: z for STL and 3MF, y otherwise.
+    #: The input's up axis; what is written as glTF or drawn is turned so that it becomes +Y. glTF is y always.
+    #: Default: z for STL and 3MF, y for others.
     up: Literal["y", "z"] | None
 
-    #: The input's unit; glTF output is scaled to metres. Default: lengths stay as they are.
+    #: The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in
+    #: metres always. Default: lengths stay as they are.
     unit: Literal["mm", "cm", "m", "in"] | None
 
     #: Quantities to write, separated by commas: face, class, k_max, k_min, mean, gauss, gauss_perimeter,
@@ -474,6 +491,8 @@ class BatchSettings(TypedDict, total=False):
         "shape_index",
         "curvedness",
         "class",
+        "coverage",
+        "confidence",
         "none",
     ] | None
 
@@ -497,7 +516,8 @@ class BatchSettings(TypedDict, total=False):
     range: Union[tuple[float, float], str] | None
 
     #: Quantities between whose colours a viewer of a glTF file can choose (KHR_materials_variants), separated by
-    #: commas; --color-by is shown first where it is among them, otherwise the first is.
+    #: commas: mean, gauss, k_max, k_min, gauss_perimeter, shape_index, curvedness, class, coverage, confidence;
+    #: --color-by is shown first where it is among them, otherwise the first is.
     variants: Union[str, Sequence[str]] | None
 
     #: How glTF carries the colours: a palette texture (right everywhere), vertex colours in linear light (by the
@@ -510,7 +530,7 @@ class BatchSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_.
+    #: vertex quality and properties; NPZ: arrays vertex_....
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
@@ -600,6 +620,8 @@ class ColorsSettings(TypedDict, total=False):
         "shape_index",
         "curvedness",
         "class",
+        "coverage",
+        "confidence",
         "none",
     ] | None
 
@@ -652,7 +674,8 @@ class DiskSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
@@ -707,7 +730,8 @@ class TraceSettings(TypedDict, total=False):
     #: 1000.
     radius_factor: Union[float, str] | None
 
-    #: Diameters of a disk, 3 to 360; not used by auto (default: 12).
+    #: Diameters of a disk, 3 to 360. auto lays disks only where vertices do not carry a fit, and for
+    #: gauss_perimeter (default: 12).
     diameters: int | None
 
     #: Turn over a disk (curvature times radius, in radians) that still counts as flat, 0 to 1 (default: 0.05).
