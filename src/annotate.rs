@@ -16,8 +16,8 @@ use std::time::Instant;
 /// Annotates one file; `-` is standard input.
 ///
 /// # Errors
-/// Any [`Error`]; nothing is then written, and what stood at the destination is still there. (Where the system refuses only
-/// to put the legend or the edges in their place, the main output is in its own already.)
+/// Any [`Error`]; nothing is then written, and what stood at the destination is still there. (Where the system refuses
+/// only to put the legend or the edges in their place, the main output is in its own already.)
 pub fn annotate(
     input: &Path,
     destination: &Destination,

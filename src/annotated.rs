@@ -53,8 +53,8 @@ pub struct Written {
 }
 
 impl Annotated<'_> {
-    /// Writes the mesh with its values as [`annotate`](crate::annotate()) does. Of the options, those of reading, of the
-    /// mesh and of estimation are not used: `settings` are what the values were estimated with, as
+    /// Writes the mesh with its values as [`annotate`](crate::annotate()) does. Of the options, those of reading, of
+    /// the mesh and of estimation are not used: `settings` are what the values were estimated with, as
     /// [`AnnotateOptions::settings_of_estimation`] has them.
     ///
     /// # Errors

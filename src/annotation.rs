@@ -74,7 +74,7 @@ pub struct Annotation<'m> {
 }
 
 /// Face numbers up to here are exact in a 32-bit float.
-pub const LARGEST_EXACT_FACE: usize = 1 << 24;
+pub(crate) const LARGEST_EXACT_FACE: usize = 1 << 24;
 
 impl Annotation<'_> {
     /// The faces that are written.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub type Rgb = [u8; 3];
 
 /// Colours of a palette: `SCALE` for the range, one for faces without estimate.
-pub const PALETTE: usize = 256;
+pub(crate) const PALETTE: usize = 256;
 /// Colours that the range is divided into; odd, so that the middle of a range has a colour of its own.
 const SCALE: usize = PALETTE - 1;
 const NOT_ESTIMATED: Rgb = [128, 128, 128];

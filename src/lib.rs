@@ -72,8 +72,8 @@ pub mod stages {
 
 pub use annotate::annotate;
 pub use annotated::{Annotated, Written};
-pub use annotation::{Annotation, ColorCarrier, LARGEST_EXACT_FACE, Layout};
-pub use color::{ColorScale, Colormap, PALETTE, Range, Rgb};
+pub use annotation::{Annotation, ColorCarrier, Layout};
+pub use color::{ColorScale, Colormap, Range, Rgb};
 pub use condition::Condition;
 pub use curvature::{
     CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, estimate_owned,
@@ -85,8 +85,8 @@ pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
-    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_folder, check_outputs, check_size,
-    read, read_bytes, read_with, real_path, remove_abandoned_outputs, remove_unfinished_outputs, stored_values, write,
+    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_folder, check_outputs, read,
+    read_bytes, read_with, real_path, remove_abandoned_outputs, remove_unfinished_outputs, stored_values, write,
     write_lines, write_mesh, write_svg,
 };
 pub use lines::{Layer, Polyline};

@@ -139,8 +139,8 @@ impl AnnotateOptions {
         (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
-    /// All files that a run writes: the output with what lies beside it, and what is written besides. A `.gltf` past two
-    /// gigabytes has further buffers.
+    /// All files that a run writes: the output with what lies beside it, and what is written besides. A `.gltf` past
+    /// two gigabytes has further buffers.
     pub fn files(&self, destination: &Destination, format: OutputFormat) -> Vec<PathBuf> {
         let has_palettes = self.carrier == ColorCarrier::Texture && self.layout == Layout::Faces;
         let palettes = if has_palettes { self.shown().len() } else { 0 };

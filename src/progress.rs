@@ -36,7 +36,8 @@ impl Progress for NoProgress {
     fn end(&self) {}
 }
 
-/// Passes on that work goes on, so that it can be cancelled, but counts nothing: for work that is part of another stage.
+/// Passes on that work goes on, so that it can be cancelled, but counts nothing: for work that is part of another
+/// stage.
 pub(crate) struct Uncounted<'p>(pub(crate) &'p dyn Progress);
 
 impl Progress for Uncounted<'_> {

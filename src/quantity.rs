@@ -176,8 +176,8 @@ impl Quantity {
         }
     }
 
-    /// The values of many faces in a row, of which `first` is the first, as [`Quantity::value`] has each: what they are is
-    /// asked once.
+    /// The values of many faces in a row, of which `first` is the first, as [`Quantity::value`] has each: what they are
+    /// is asked once.
     pub(crate) fn values(self, first: Face, of: &[FaceCurvature], component: usize, out: &mut [f32]) {
         macro_rules! each {
             ($($quantity:ident)+) => {

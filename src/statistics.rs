@@ -103,8 +103,8 @@ pub struct Summary {
     /// The mesh and its defects.
     #[serde(flatten)]
     pub report: MeshReport,
-    /// What was written. Its notes are those of reading too; its units are those of the input, in which counts, bounds and
-    /// percentiles are, and of the output.
+    /// What was written. Its notes are those of reading too; its units are those of the input, in which counts, bounds
+    /// and percentiles are, and of the output.
     #[serde(flatten)]
     pub written: Written,
     /// Wall-clock seconds.

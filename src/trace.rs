@@ -227,8 +227,8 @@ fn place_of(mesh: &Mesh, face: Face, point: DVec3) -> Place {
     Place { face, weights: nearest_in_triangle(mesh.triangle(face), point) }
 }
 
-/// At most `count` faces spread evenly over the area of a mesh, as seeds: the same ones for the same mesh. A face that is
-/// larger than several shares of the area is one seed.
+/// At most `count` faces spread evenly over the area of a mesh, as seeds: the same ones for the same mesh. A face that
+/// is larger than several shares of the area is one seed.
 pub fn spread_seeds(mesh: &Mesh, count: usize) -> Vec<Place> {
     let areas: Vec<f64> = (0..mesh.face_count() as u32)
         .map(|f| mesh.area(Face(f)))

@@ -1,4 +1,5 @@
-//! Parts as CAD programs mesh them: long facets from rim to rim between fine corners, large flats without inner vertices.
+//! Parts as CAD programs mesh them: long facets from rim to rim between fine corners, large flats without inner
+//! vertices.
 
 mod common;
 
@@ -9,8 +10,8 @@ use osculate::{CurvatureOptions, Face, FaceCurvature, FaceState, Mesh, Method, N
 use std::collections::HashSet;
 use std::path::Path;
 
-/// The surfaces of `fixtures/fillet_part.stl`: a block of 40 x 30 x 20 with a hole of radius 5, upright edges rounded with
-/// radius 6, the others with 4, where they meet parts of tori.
+/// The surfaces of `fixtures/fillet_part.stl`: a block of 40 x 30 x 20 with a hole of radius 5, upright edges rounded
+/// with radius 6, the others with 4, where they meet parts of tori.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
     Flat,

@@ -114,8 +114,8 @@ proptest! {
     #[test]
     fn a_million_away_nothing_changes(soup in soups(), step in [-1e6..1e6, -1e6..1e6, -1e6..1e6_f64]) {
         let moved = moved(&soup, |p| p + DVec3::from_array(step));
-        // 64 bits round coordinates of a million by 1e-10, of which windows of so coarse a mesh make some ten thousand times
-        // as much, and which may tip a choice between two fits that are nearly as good.
+        // 64 bits round coordinates of a million by 1e-10, of which windows of so coarse a mesh make some ten thousand
+        // times as much, and which may tip a choice between two fits that are nearly as good.
         let unlike = unlike(&values(&soup), &values(&moved), 1.0, DQuat::IDENTITY, 3e-6);
         prop_assert!(100 * unlike.len() <= soup.face_count(), "{unlike:?}");
     }

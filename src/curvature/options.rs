@@ -43,8 +43,8 @@ pub enum Radius {
     MeshFactor(f64),
     /// A length in file units.
     Length(f64),
-    /// By the face's surroundings. Windows are as large as the data let them be. Legs are long enough that sections have
-    /// some segments to bend at, and short enough that the surface turns by less than about a radian over them.
+    /// By the face's surroundings. Windows are as large as the data let them be. Legs are long enough that sections
+    /// have some segments to bend at, and short enough that the surface turns by less than about a radian over them.
     #[default]
     Auto,
 }
@@ -60,7 +60,8 @@ pub struct CurvatureOptions {
     /// radius over the distance in which the curvature changes.
     ///
     /// Default: automatic. For legs that is 5.4 times the width of the faces around, shorter (to a quarter) while the
-    /// surface turns by more than 0.8 radians over it, longer (to three mean edges of the face) while it turns by little.
+    /// surface turns by more than 0.8 radians over it, longer (to three mean edges of the face) while it turns by
+    /// little.
     pub radius: Radius,
     /// Number of diameters per disk, 3 to 360. Default 12.
     pub diameters: usize,

@@ -108,7 +108,7 @@ impl OutputFormat {
 ///
 /// # Errors
 /// [`Error::TooLarge`] with the ways out.
-pub fn check_size(
+pub(crate) fn check_size(
     format: OutputFormat,
     layout: Layout,
     faces: usize,

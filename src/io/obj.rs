@@ -176,8 +176,8 @@ fn vertex_index(word: &[u8], line: u64) -> Result<i64, ParseError> {
     }
 }
 
-/// The number of a vertex, from 0: positive ones count from the file's first vertex, negative ones back from the last of so
-/// many. One that no vertex has stands for all that are out of range.
+/// The number of a vertex, from 0: positive ones count from the file's first vertex, negative ones back from the last
+/// of so many. One that no vertex has stands for all that are out of range.
 fn corner(index: i64, vertices: usize) -> u32 {
     let from_first = if index > 0 { Some(index - 1) } else { index.checked_add(vertices as i64) };
     from_first.and_then(|corner| u32::try_from(corner).ok()).unwrap_or(u32::MAX)

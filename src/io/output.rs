@@ -10,7 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// as they are.
 const BUFFER: usize = 64 * 1024;
 
-/// A file being written beside its final place, or a stream that cannot be taken back.
+/// A file being written beside its final place, where only [`Output::finish`] puts it, or a stream that cannot be taken
+/// back.
+#[must_use = "a file that is not finished is dropped"]
 pub struct Output {
     path: PathBuf,
     sink: Sink,

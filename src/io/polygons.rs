@@ -97,8 +97,8 @@ impl Polygons {
         self.into_grouped(positions, &[], None)
     }
 
-    /// The same with groups, each a name and the number of polygons before it, which ends the one before. `largest` says
-    /// where the largest vertex number stands, if that is known.
+    /// The same with groups, each a name and the number of polygons before it, which ends the one before. `largest`
+    /// says where the largest vertex number stands, if that is known.
     pub(super) fn into_grouped(
         self,
         positions: Positions,

@@ -130,8 +130,8 @@ impl Limit {
         Limit { sin, cos, square }
     }
 
-    /// True for an angle, by its cosine and sine, above this one: both are within 0 and 180 degrees, so that the sine of
-    /// their difference decides.
+    /// True for an angle, by its cosine and sine, above this one: both are within 0 and 180 degrees, so that the sine
+    /// of their difference decides.
     #[inline]
     fn is_below(&self, (cos, sin): (f64, f64)) -> bool {
         sin * self.cos - cos * self.sin > 0.0

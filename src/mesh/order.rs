@@ -7,8 +7,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Bits of a coordinate in a first sort along the curve, fewer where the numbers of faces need the room; and over the whole
-/// curve, for faces that share a cell then.
+/// Bits of a coordinate in a first sort along the curve, fewer where the numbers of faces need the room; and over the
+/// whole curve, for faces that share a cell then.
 const COARSE: u32 = 13;
 const FINE: u32 = 21;
 
@@ -31,8 +31,8 @@ impl FileOrder {
 }
 
 impl Mesh {
-    /// The same surface with its faces along a Morton curve and its vertices by first use. Files bring faces in any order,
-    /// and the caches of processors reward good ones. Bodies, scene and duplicates are put aside.
+    /// The same surface with its faces along a Morton curve and its vertices by first use. Files bring faces in any
+    /// order, and the caches of processors reward good ones. Bodies, scene and duplicates are put aside.
     pub(crate) fn into_order(mut self) -> (Mesh, FileOrder) {
         let faces = self.along_curve();
         let duplicates = std::mem::take(&mut self.duplicates);
@@ -70,8 +70,8 @@ impl Mesh {
         }
     }
 
-    /// The vertices by first use in faces that are taken in an order, all, since no vertex is without a face; and the number
-    /// each of them gets.
+    /// The vertices by first use in faces that are taken in an order, all, since no vertex is without a face; and the
+    /// number each of them gets.
     fn by_first_use(&self, faces: &[Face]) -> (Vec<Vertex>, Vec<Vertex>) {
         const UNSEEN: Vertex = Vertex(u32::MAX);
         let mut numbers = vec![UNSEEN; self.positions.len()];
@@ -135,10 +135,10 @@ impl Mesh {
         places.into_par_iter().map(face).collect()
     }
 
-    /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way from there
-    /// to where most that is far away lies, the same across that way, and four times the mean distance (root of the mean
-    /// square), which a lone far vertex changes little. Noise of the vertices hardly turns it, unless the shape is alike on
-    /// opposite sides: then the farthest vertex says where.
+    /// A frame that turns and moves with the mesh, and a size that grows with it: the mean of the vertices, the way
+    /// from there to where most that is far away lies, the same across that way, and four times the mean distance (root
+    /// of the mean square), which a lone far vertex changes little. Noise of the vertices hardly turns it, unless the
+    /// shape is alike on opposite sides: then the farthest vertex says where.
     pub(crate) fn own_frame(&self) -> Option<(DVec3, DMat3, f64)> {
         // In chunks, so that sums do not depend on the threads.
         let chunks = || self.positions.par_chunks(1 << 14).map(|chunk| chunk.iter().filter(|p| p.is_finite()));

@@ -169,8 +169,8 @@ impl Forest<'_> {
         }
     }
 
-    /// Joins the face of a half-edge, whose root is known, and that of its twin; false where they are joined already and
-    /// this contradicts it.
+    /// Joins the face of a half-edge, whose root is known, and that of its twin; false where they are joined already
+    /// and this contradicts it.
     #[inline]
     fn join(&mut self, root: &mut Root, topology: &Topology, h: HalfEdge, twin: HalfEdge) -> bool {
         let other = self.root(twin.face().0 - self.first);

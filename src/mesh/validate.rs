@@ -5,6 +5,7 @@ use crate::mesh::Across;
 
 impl Mesh {
     /// Panics with the first broken promise. Meant for tests: it visits every half-edge.
+    #[doc(hidden)]
     pub fn sanity_check(&self) {
         let topology = self.topology();
         let n = self.face_count();

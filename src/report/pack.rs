@@ -97,7 +97,8 @@ fn by_first_use(display: &Display) -> (Vec<u32>, Vec<u32>) {
     (order, codes)
 }
 
-/// The least corner of the box, its longest side and the length of a step: fine enough for short edges, at most 2^21 steps.
+/// The least corner of the box, its longest side and the length of a step: fine enough for short edges, at most 2^21
+/// steps.
 fn grid(display: &Display, order: &[u32]) -> (DVec3, f64, f64) {
     let used = order.iter().map(|&v| display.positions[v as usize]);
     let (low, high) = used.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));

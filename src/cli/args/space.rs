@@ -8,13 +8,13 @@ use osculate::{InputFormat, Space};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(in crate::cli) struct SpaceArgs {
-    /// The input's up axis; what is written as glTF or drawn is turned so that it becomes +Y. glTF is y always. Default:
-    /// z for STL and 3MF, y for others
+    /// The input's up axis; what is written as glTF or drawn is turned so that it becomes +Y. glTF is y always.
+    /// Default: z for STL and 3MF, y for others
     #[arg(long, value_enum)]
     pub(super) up: Option<UpArg>,
 
-    /// The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in metres
-    /// always. Default: lengths stay as they are
+    /// The input's unit; what is written as glTF is scaled to metres, and a report shows numbers with it. glTF is in
+    /// metres always. Default: lengths stay as they are
     #[arg(long, value_enum)]
     pub(super) unit: Option<UnitArg>,
 }

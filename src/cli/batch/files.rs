@@ -87,8 +87,8 @@ impl Batch {
         }
     }
 
-    /// Annotates a file, whatever is in it, and tells what became of it. Threads are those of the caller's pool. Only an
-    /// unwinding of `progress` comes through.
+    /// Annotates a file, whatever is in it, and tells what became of it. Threads are those of the caller's pool. Only
+    /// an unwinding of `progress` comes through.
     pub fn annotate(&self, input: &Path, output: &Path, progress: &dyn Progress) -> Done {
         let start = Instant::now();
         // A panic is a mistake of ours, but not one that the other files should suffer from.

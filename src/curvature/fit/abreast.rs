@@ -36,7 +36,8 @@ impl Frames {
         V3::new(d.dot(x), d.dot(y), d.dot(z)).scaled(F4::ONE / self.unit)
     }
 
-    /// The frames whose origins lie `height` over these along the normals, leaning by the slopes `x` and `y` of a plane.
+    /// The frames whose origins lie `height` over these along the normals, leaning by the slopes `x` and `y` of a
+    /// plane.
     #[inline(always)]
     pub(super) fn moved(self, height: F4, x: F4, y: F4) -> Frames {
         let [u, v, n] = self.axes;

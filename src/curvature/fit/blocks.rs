@@ -1,9 +1,9 @@
 //! Blocks of faces that fill lists by vertex side by side.
 //!
-//! Faces lie along a curve and vertices are numbered by first use, so that nearly all vertices of a block of faces are named
-//! by it first: they are its own, and no other block writes to them. What a block has to say of vertices before its own is
-//! told later, block by block. So each vertex hears of its faces in their order, whatever the number of threads. Of other
-//! numberings the result is the same, only slower.
+//! Faces lie along a curve and vertices are numbered by first use, so that nearly all vertices of a block of faces are
+//! named by it first: they are its own, and no other block writes to them. What a block has to say of vertices before
+//! its own is told later, block by block. So each vertex hears of its faces in their order, whatever the number of
+//! threads. Of other numberings the result is the same, only slower.
 
 use crate::mesh::Mesh;
 use rayon::prelude::*;
@@ -33,8 +33,8 @@ impl Blocks {
         Blocks { faces: faces.len(), own: ends.into_iter().map(next).collect() }
     }
 
-    /// Shows each block its faces, its vertices and their values, by vertex; returns what it leaves to be told later, in
-    /// the order of blocks.
+    /// Shows each block its faces, its vertices and their values, by vertex; returns what it leaves to be told later,
+    /// in the order of blocks.
     pub(super) fn fill<T: Send, L: Send>(
         &self,
         mut values: &mut [T],

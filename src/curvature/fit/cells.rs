@@ -1,9 +1,9 @@
 //! Vertices taken together, for windows that hold hundreds of them.
 //!
-//! A polynomial in a window is known as well from the means of small groups of samples as from the samples: what varies within
-//! a group tells of what is smaller than the window. A cell is a site and those of its neighbours that are nearer to it
-//! than to the middles of other cells, some 4.4 of them on a triangulated surface. The mean lies off the surface, but by much
-//! the same everywhere, and a fit has a constant term.
+//! A polynomial in a window is known as well from the means of small groups of samples as from the samples: what varies
+//! within a group tells of what is smaller than the window. A cell is a site and those of its neighbours that are
+//! nearer to it than to the middles of other cells, some 4.4 of them on a triangulated surface. The mean lies off the
+//! surface, but by much the same everywhere, and a fit has a constant term.
 
 use super::fans::Fans;
 use super::seeds::{Draw, mixed};
@@ -186,8 +186,8 @@ impl Sites for Cells<'_> {
     }
 }
 
-/// A number for each site from how those around it hang together, that no noise changes: from how many neighbours it has, they
-/// have, and theirs. (Weisfeiler and Leman, 1968: refinement of colours.)
+/// A number for each site from how those around it hang together, that no noise changes: from how many neighbours it
+/// has, they have, and theirs. (Weisfeiler and Leman, 1968: refinement of colours.)
 fn hung_together(sites: &impl Sites) -> Vec<u64> {
     const ROUNDS: usize = 2;
     let all = || (0..sites.count() as u32).into_par_iter();
@@ -203,8 +203,8 @@ fn hung_together(sites: &impl Sites) -> Vec<u64> {
     numbers
 }
 
-/// Middles of groups, of which none is a neighbour of another, and the group of each site. A site is a middle if its number is
-/// greater than those of all its neighbours that could be one.
+/// Middles of groups, of which none is a neighbour of another, and the group of each site. A site is a middle if its
+/// number is greater than those of all its neighbours that could be one.
 fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
     #[derive(Clone, Copy, PartialEq)]
     enum State {
@@ -212,8 +212,9 @@ fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
         Middle,
         Beside,
     }
-    // A site has to wait for all greater ones around. Where numbers rise steadily, as towards the middle of a cell of the
-    // grid that many sites share, that takes as many rounds as there are sites on the way: after some, lots are drawn.
+    // A site has to wait for all greater ones around. Where numbers rise steadily, as towards the middle of a cell of
+    // the grid that many sites share, that takes as many rounds as there are sites on the way: after some, lots are
+    // drawn.
     let mut rounds = 0..64;
     // Each its own.
     let lot = |site: u32| site.reverse_bits().wrapping_mul(0x9E37_79B1);

@@ -138,9 +138,9 @@ impl ChordFitter {
         ChordFitter { samples: Samples::default() }
     }
 
-    /// Fits polynomials to samples around the origins of their frames, none of them further from it than about a unit: of the
-    /// degrees `asked` for and, in each lane, of the highest that is wanted and that the samples carry. Before that,
-    /// `rounds` times, a cubic says how the frame is to be moved and tilted.
+    /// Fits polynomials to samples around the origins of their frames, none of them further from it than about a unit:
+    /// of the degrees `asked` for and, in each lane, of the highest that is wanted and that the samples carry. Before
+    /// that, `rounds` times, a cubic says how the frame is to be moved and tilted.
     pub(super) fn fit(
         &mut self,
         abreast: &mut Abreast,
@@ -158,11 +158,11 @@ impl ChordFits {
         self.highest[lane] > 0
     }
 
-    /// True where a lane's samples determine a paraboloid, if it was asked for: those on two rims, as of a cylinder's long
-    /// facets, do not.
+    /// True where a lane's samples determine a paraboloid, if it was asked for: those on two rims, as of a cylinder's
+    /// long facets, do not.
     pub(super) fn is_firm(&self, lane: usize) -> bool {
-        /// Variance of the tensor, in units of the frame, times the number of samples: about 700 for a disk of them, 5,000
-        /// for some beside sharp edges and on scans, and 1e13 on two rims.
+        /// Variance of the tensor, in units of the frame, times the number of samples: about 700 for a disk of them,
+        /// 5,000 for some beside sharp edges and on scans, and 1e13 on two rims.
         const MOST: f64 = 10_000.0;
         self.models[2].variance.0[lane] * self.counts[lane] as f64 <= MOST
     }
@@ -190,10 +190,10 @@ impl ChordFits {
         frame.moved(c, x, y)
     }
 
-    /// The mean of a lane's paraboloid and its surface of the highest degree, which follows what the surface does within the
-    /// window, if it is smooth, and whatever else there is, if it is not. Each has the more weight the less its misfit makes
-    /// its shape tensor uncertain. With the samples' standard deviation, in file units, and the standard error of the
-    /// tensor, 1/length.
+    /// The mean of a lane's paraboloid and its surface of the highest degree, which follows what the surface does
+    /// within the window, if it is smooth, and whatever else there is, if it is not. Each has the more weight the less
+    /// its misfit makes its shape tensor uncertain. With the samples' standard deviation, in file units, and the
+    /// standard error of the tensor, 1/length.
     pub(super) fn mean(&self, lane: usize, frame: Frame) -> (Chord, f64, f64) {
         let [low, high] = [2, self.highest[lane]].map(|degree| {
             let square = self.deviation_squared(lane, degree, &frame);

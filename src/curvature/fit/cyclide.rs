@@ -134,8 +134,8 @@ impl Kernel for FitLanes<'_> {
 }
 
 impl Cyclides {
-    /// The surface of a lane, in the frame it was fitted in; `None` where it folds, is far from a sample, or the samples
-    /// are too few.
+    /// The surface of a lane, in the frame it was fitted in; `None` where it folds, is far from a sample, or the
+    /// samples are too few.
     pub(super) fn of(&self, lane: usize, frame: Frame) -> Option<Cyclide> {
         let mut f = Polynomial { coefficients: [0.0; MOST], size: CYCLIDE };
         f.coefficients.iter_mut().zip(&self.coefficients).for_each(|(to, from)| *to = from.0[lane]);

@@ -297,8 +297,8 @@ impl Samples {
 }
 
 /// True for a surface that does not turn over within its window: an implicit surface may explain its samples with two
-/// sheets, of which the faces see the wrong one. Nor is it further from the middle than `reach`: it would not be the one
-/// the middle belongs to.
+/// sheets, of which the faces see the wrong one. Nor is it further from the middle than `reach`: it would not be the
+/// one the middle belongs to.
 struct Sanity<'s> {
     samples: &'s Samples,
     reach: F4,

@@ -10,11 +10,12 @@ use crate::mesh::{Face, HalfEdge, Vertex};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their vertex.
+/// The fans of a mesh. Fans with numbers below the number of vertices are the first, mostly the only one of their
+/// vertex.
 pub(super) struct Fans<'g> {
     pub(super) ground: &'g Ground<'g>,
-    /// Each sound face, listed at the fan of its least corner, by coordinates in the mesh's own frame, so that it does not
-    /// matter which corner a file names first.
+    /// Each sound face, listed at the fan of its least corner, by coordinates in the mesh's own frame, so that it does
+    /// not matter which corner a file names first.
     faces: Lists,
     /// No face listed at a fan has its middle further from it.
     spans: Vec<f32>,

@@ -1,9 +1,9 @@
 //! Flat faces among surfaces that run out into them, as on CAD parts with fillets.
 //!
 //! A flat that is meshed from rim to rim has no vertices but those on its rims, which belong to the surfaces beyond as
-//! well, so no window around it is flat. But the folds tell. Where facets with chords w1 and w2 lie on an arc of curvature
-//! k, the surface turns by k (w1 + w2) / 2 from one to the other. Where it turns by k w1 / 2 only, the half that
-//! belongs to the facet on the arc, the other one is tangent to the arc and does not bend.
+//! well, so no window around it is flat. But the folds tell. Where facets with chords w1 and w2 lie on an arc of
+//! curvature k, the surface turns by k (w1 + w2) / 2 from one to the other. Where it turns by k w1 / 2 only, the half
+//! that belongs to the facet on the arc, the other one is tangent to the arc and does not bend.
 
 use super::first::Quality;
 use super::ground::Ground;
@@ -51,7 +51,8 @@ pub(super) fn settle(ground: &Ground<'_>, quantum: &Quantum, quality: &[Quality]
     }
 }
 
-/// All faces that hang together with the seed in one plane, slivers among them, and the half-edges at which they end in a fold.
+/// All faces that hang together with the seed in one plane, slivers among them, and the half-edges at which they end in
+/// a fold.
 fn collect(
     mesh: &Mesh,
     seed: Face,

@@ -22,8 +22,8 @@ impl Frame {
         (unit > 0.0 && unit.is_finite()).then_some(Frame { origin, axes, unit })
     }
 
-    /// The frame whose origin lies `height` units over this one along the normal, leaning by the slopes `x` and `y` of a
-    /// plane; `None` where that is not of finite numbers.
+    /// The frame whose origin lies `height` units over this one along the normal, leaning by the slopes `x` and `y` of
+    /// a plane; `None` where that is not of finite numbers.
     pub(super) fn moved(&self, height: f64, x: f64, y: f64) -> Option<Self> {
         let Frame { origin, axes: DMat3 { x_axis: u, y_axis: v, z_axis: n }, unit } = *self;
         let normal = (n - u * x - v * y).normalize();

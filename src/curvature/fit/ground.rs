@@ -64,8 +64,8 @@ fn vertex_normals(mesh: &Mesh, blocks: &Blocks, width: f64) -> Vec<Vec3> {
     normals
 }
 
-/// The sound faces of a range and their normals, as long as they are wide against a `width`: so that 32 bits hold the squares
-/// too.
+/// The sound faces of a range and their normals, as long as they are wide against a `width`: so that 32 bits hold the
+/// squares too.
 pub(super) fn sound_normals(mesh: &Mesh, faces: Range<u32>, width: f64) -> impl Iterator<Item = (Face, Vec3)> {
     let scale = 1.0 / width;
     let sound = faces.map(Face).filter(|&f| mesh.is_sound(f));

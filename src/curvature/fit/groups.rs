@@ -1,7 +1,7 @@
 //! Which faces share a fit.
 //!
-//! A fit serves the faces within a step or two of its own. Taken in the order of faces, each group would find half of its
-//! surroundings taken; so of the faces within reach, the one is fitted that most open ones are around.
+//! A fit serves the faces within a step or two of its own. Taken in the order of faces, each group would find half of
+//! its surroundings taken; so of the faces within reach, the one is fitted that most open ones are around.
 
 use crate::mesh::{EdgeKind, Face, Mesh};
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! The choice among windows of nested sizes, by Lepski's rule.
 //!
-//! Variances follow from the noise and the fits. The bias of a fit is bounded by how far it is from less biased ones beyond
-//! what the variances and the bias of those explain. The least sum of both wins. Where variances are not known, since noise
-//! is alike at neighbouring samples, the fit wins that is nearest to one in a smaller window. All statistics are means over
-//! neighbouring seeds.
+//! Variances follow from the noise and the fits. The bias of a fit is bounded by how far it is from less biased ones
+//! beyond what the variances and the bias of those explain. The least sum of both wins. Where variances are not known,
+//! since noise is alike at neighbouring samples, the fit wins that is nearest to one in a smaller window. All
+//! statistics are means over neighbouring seeds.
 
 use super::probe::{Choice, FIRST_CYCLIDE, LEVELS, MODELS, POLYNOMIALS, Probe, spread, unexplained};
 use super::rough::Noise;
@@ -79,9 +79,9 @@ impl<'p> Around<'p> {
     }
 
     /// Where noise is alike at neighbouring samples, neither misfits nor covariances tell how much a fit is off by. But
-    /// while noise prevails fits come nearer to each other from window to window, and where windows miss the surface they
-    /// part again. So the choice is the candidate that is nearest to its witness, the quartic that has some four to twenty
-    /// times its variance: that in the next smaller window, for cubics that in their own.
+    /// while noise prevails fits come nearer to each other from window to window, and where windows miss the surface
+    /// they part again. So the choice is the candidate that is nearest to its witness, the quartic that has some four
+    /// to twenty times its variance: that in the next smaller window, for cubics that in their own.
     fn nearest_to_witness(&self) -> Option<Choice> {
         let apart = |j: usize| {
             let level = if model_of(j) < QUARTIC { level_of(j) } else { level_of(j).checked_sub(1)? };

@@ -78,8 +78,8 @@ use work::Work;
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
 const CHUNK: usize = 1024;
-/// Share of doubtful faces from which a surface is noisy all over: rows of facets and flats tell nothing then. CAD parts have
-/// up to eight tenths.
+/// Share of doubtful faces from which a surface is noisy all over: rows of facets and flats tell nothing then. CAD
+/// parts have up to eight tenths.
 const NOISY: f64 = 0.9;
 
 /// What values of single faces need; one per thread.
@@ -117,9 +117,9 @@ pub(super) fn estimate(
     work.finish();
 }
 
-/// The values of all faces within the radius that the user has given for each, with their coverages; `None` for faces that
-/// no such window tells of: those of a size that the radius is small against, and those whose vertices do not determine how
-/// the surface bends.
+/// The values of all faces within the radius that the user has given for each, with their coverages; `None` for faces
+/// that no such window tells of: those of a size that the radius is small against, and those whose vertices do not
+/// determine how the surface bends.
 fn within(
     mesh: &Mesh,
     options: &CurvatureOptions,

@@ -1,7 +1,7 @@
 //! Polynomials in two variables by least squares: sums over samples of the products of powers, and equations from them.
 //!
-//! The product of two monomials is a monomial, so of the many entries of the normal equations few differ: 45 of 120 for a
-//! quartic. Only these are summed, and no row of monomials is ever written to memory.
+//! The product of two monomials is a monomial, so of the many entries of the normal equations few differ: 45 of 120 for
+//! a quartic. Only these are summed, and no row of monomials is ever written to memory.
 
 use super::equations::Normal;
 use super::lanes::{F4, Real};

@@ -211,7 +211,8 @@ pub(super) fn spread(level: usize, around: f64) -> f64 {
 }
 
 /// What a fit to a window leaves of detail, in units of its variance from the noise alone: what is not explained bends
-/// the fit as a whole, not sample by sample. A misfit that is greater than the noise by a share of `chance` tells nothing.
+/// the fit as a whole, not sample by sample. A misfit that is greater than the noise by a share of `chance` tells
+/// nothing.
 pub(super) fn unexplained(misfit: f64, noise: f64, level: usize, chance: f64) -> f64 {
     (misfit / noise - (1.0 + chance)).max(0.0) * LEVELS[level] as f64 / CYCLIDE as f64
 }

@@ -12,16 +12,16 @@ const ROUGHEST: f64 = 1e-6;
 const FAR: f64 = 1e3;
 
 /// The rounding of a mesh's coordinates, in file units: that of the 32-bit floats or of the decimals that all of them
-/// are, or that of 64-bit floats. Floats are rounded the more the larger they are, so that a vertex far away says nothing of
-/// others.
+/// are, or that of 64-bit floats. Floats are rounded the more the larger they are, so that a vertex far away says
+/// nothing of others.
 #[derive(Clone, Copy)]
 pub(super) struct Quantum {
     /// What the mesh's positions are relative to.
     origin: DVec3,
     /// The rounding of floats of size one.
     of_one: f64,
-    /// That of the decimals; otherwise that of floats as large as the mesh, because a program that computed with such floats
-    /// has left as much near zero, too.
+    /// That of the decimals; otherwise that of floats as large as the mesh, because a program that computed with such
+    /// floats has left as much near zero, too.
     least: f64,
 }
 

@@ -65,8 +65,8 @@ impl Rings {
         self.grow_to(|v| (!ground.stars.is_divided(v)).then(|| ground.stars.neighbours(v)))
     }
 
-    /// Adds what `neighbours` has for all in the last ring, vertices or fans. False, and in an undefined state, where it has
-    /// none.
+    /// Adds what `neighbours` has for all in the last ring, vertices or fans. False, and in an undefined state, where
+    /// it has none.
     #[inline]
     pub(super) fn grow_to<'n>(&mut self, neighbours: impl Fn(u32) -> Option<&'n [u32]>) -> bool {
         let ring = self.inner..self.count;

@@ -17,15 +17,16 @@ const JUDGED: usize = 4;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Noise {
-    /// On some parts of the mesh only: as likely detail of a clean surface, from which nothing follows for the parts around.
+    /// On some parts of the mesh only: as likely detail of a clean surface, from which nothing follows for the parts
+    /// around.
     Local,
     /// What the samples are off by at one vertex says nothing of the next.
     Independent,
     /// Samples are off by the same over an edge or two, as in range images. Small windows follow it, so that what they
     /// leave is far less than the noise.
     Alike,
-    /// Noise and detail at every scale from the edges up, as real scans have it. No window is then better than another by
-    /// what the data say.
+    /// Noise and detail at every scale from the edges up, as real scans have it. No window is then better than another
+    /// by what the data say.
     Rough,
 }
 
@@ -73,9 +74,9 @@ pub(super) const WINDOW: usize = 120;
 /// Radians from the middle of such a window to its rim, in the median.
 const TURN: f64 = 0.8;
 
-/// Vertices in every window of the `wanted` faces, which are rough. No scale stands out on it, but the more closely it was sampled, the less it
-/// turns over a window of so many vertices. So windows are the wider the less it turns, and a scan of half as many faces
-/// gets windows of nearly the same width.
+/// Vertices in every window of the `wanted` faces, which are rough. No scale stands out on it, but the more closely it
+/// was sampled, the less it turns over a window of so many vertices. So windows are the wider the less it turns, and a
+/// scan of half as many faces gets windows of nearly the same width.
 pub(super) fn window(fans: &Fans<'_>, wanted: &[bool]) -> usize {
     /// Smaller windows show the noise.
     const LEAST: f64 = 48.0;
@@ -105,19 +106,19 @@ pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 }
 
 impl Noise {
-    /// Growth of the variance of samples from its least at which larger windows are not tried. Alike noise itself makes it
-    /// grow.
+    /// Growth of the variance of samples from its least at which larger windows are not tried. Alike noise itself makes
+    /// it grow.
     pub(super) fn hopeless(self) -> f64 {
         if self == Noise::Alike { 30.0 } else { HOPELESS }
     }
 
-    /// How far a fit is by chance from one of more variance, squared: what is beyond is bias. `None` for one that has little
-    /// more.
+    /// How far a fit is by chance from one of more variance, squared: what is beyond is bias. `None` for one that has
+    /// little more.
     pub(super) fn chance(self, witness: f64, variance: f64) -> Option<f64> {
         const LEAST: f64 = 1.15;
         const REACH: f64 = 16.0;
-        // Large windows that all miss the surface are alike off. Far smaller ones can tell, if for their own variance they
-        // can tell anything.
+        // Large windows that all miss the surface are alike off. Far smaller ones can tell, if for their own variance
+        // they can tell anything.
         const FAR: f64 = 5.0;
         match (self, witness <= REACH * variance) {
             _ if witness < LEAST * variance => None,

@@ -15,8 +15,8 @@ pub(super) struct Sampler<'g, S> {
     rings: Rings,
     /// The side the samples face.
     facing: Vec3,
-    /// The sites that face it, as far as the rings reach, with the squares of their distances; the nearest first, as many
-    /// as were taken last.
+    /// The sites that face it, as far as the rings reach, with the squares of their distances; the nearest first, as
+    /// many as were taken last.
     order: Vec<(f64, u32)>,
     /// Vertices that several sites stand for and one of them has been taken for.
     taken: Marks,

@@ -5,8 +5,8 @@ use crate::mesh::Face;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-/// Numbers for faces and vertices, drawn from the cells of a fine grid that moves, turns and grows with the mesh, so that neither the order
-/// of faces nor the place of the mesh plays a part.
+/// Numbers for faces and vertices, drawn from the cells of a fine grid that moves, turns and grows with the mesh, so
+/// that neither the order of faces nor the place of the mesh plays a part.
 pub(super) struct Draw<'g> {
     ground: &'g Ground<'g>,
     centre: DVec3,
@@ -29,8 +29,8 @@ impl<'g> Draw<'g> {
         Draw::from_cells(ground, 1.0, 1.0)
     }
 
-    /// From a grid of at least so many cells along the mesh; finer, if a few far vertices make the mesh large, so that a
-    /// face still has so many.
+    /// From a grid of at least so many cells along the mesh; finer, if a few far vertices make the mesh large, so that
+    /// a face still has so many.
     fn from_cells(ground: &'g Ground<'g>, along_mesh: f64, along_face: f64) -> Self {
         let (centre, axes, size) = ground.mesh.own_frame().unwrap_or((DVec3::ZERO, DMat3::IDENTITY, 1.0));
         let cells = along_mesh.max((along_face * size / ground.width).log2().ceil().exp2());
@@ -47,8 +47,8 @@ impl<'g> Draw<'g> {
         number(self.place(self.ground.mesh.barycentre(face)))
     }
 
-    /// A number for a point that mostly stays if the point moves by less than a cell: first that of its cell counts, then how
-    /// near it is to the cell's middle.
+    /// A number for a point that mostly stays if the point moves by less than a cell: first that of its cell counts,
+    /// then how near it is to the cell's middle.
     pub(super) fn lasting(&self, point: DVec3) -> u32 {
         const NEARNESS: u32 = 0xFFFF;
         let place = self.place(point);
@@ -75,7 +75,8 @@ fn from_middle(place: DVec3) -> f64 {
     (place - place.floor()).distance_squared(DVec3::splat(0.5))
 }
 
-/// At most `count` of the `wanted` faces, which lie all over them, at much the same places however the surface is meshed.
+/// At most `count` of the `wanted` faces, which lie all over them, at much the same places however the surface is
+/// meshed.
 pub(super) fn scattered(ground: &Ground<'_>, wanted: &[bool], count: usize) -> Vec<Face> {
     /// A grid of so many cells along the mesh has ten to twenty thousand on the surface.
     const CELLS: f64 = 128.0;
@@ -129,9 +130,9 @@ pub(super) fn drawn(ground: &Ground<'_>, wanted: &[bool]) -> Vec<Face> {
     numbered.into_iter().map(|(_, f)| Face(f)).collect()
 }
 
-/// The tier of each seed: seeds of tier 1 and higher are a subset of all, those of tier 2 and higher one of that, and so
-/// on, as many as there are numbers in `nearest`. Each seed left behind is among so many nearest of one that went on, in
-/// the subset both come from. `near` names the seeds around one, the nearest first.
+/// The tier of each seed: seeds of tier 1 and higher are a subset of all, those of tier 2 and higher one of that, and
+/// so on, as many as there are numbers in `nearest`. Each seed left behind is among so many nearest of one that went
+/// on, in the subset both come from. `near` names the seeds around one, the nearest first.
 pub(super) fn tiers<'n>(
     ground: &Ground<'_>,
     seeds: &[Face],

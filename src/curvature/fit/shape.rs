@@ -44,7 +44,8 @@ impl<T: Real> Principal<T> {
 }
 
 /// Cosine (not negative) and sine of half the angle of (x, y), whose length is given: the direction of the larger
-/// eigenvalue of a matrix with x the half difference of its diagonal and y beside it. (1, 0) where no direction stands out.
+/// eigenvalue of a matrix with x the half difference of its diagonal and y beside it. (1, 0) where no direction stands
+/// out.
 #[inline(always)]
 pub(super) fn half_angle<T: Real>(x: T, y: T, length: T) -> (T, T) {
     // The sum that does not cancel.

@@ -1,8 +1,8 @@
 //! Large windows of a given radius: one serves the faces near its middle.
 //!
 //! What is seen over a radius changes little over a small share of it. A fit around every face would take time as the
-//! square of the radius. Fits around places a share of the radius apart are blended over the faces there. The more vertices
-//! a window has, the fewer windows there are, so the time does not grow with the radius.
+//! square of the radius. Fits around places a share of the radius apart are blended over the faces there. The more
+//! vertices a window has, the fewer windows there are, so the time does not grow with the radius.
 
 use super::cells::Cells;
 use super::fans::Fans;
@@ -44,8 +44,8 @@ fn vertices(ground: &Ground<'_>, radius: impl Fn(Face) -> Option<f64>) -> Vec<f6
     all
 }
 
-/// True where windows of given radii hold so many vertices, in the mean, that it pays to share them. Up to some 110 a window
-/// around every face is faster, and on clean surfaces nearer to the truth further on too.
+/// True where windows of given radii hold so many vertices, in the mean, that it pays to share them. Up to some 110 a
+/// window around every face is faster, and on clean surfaces nearer to the truth further on too.
 pub(super) fn pays(ground: &Ground<'_>, radius: impl Fn(Face) -> Option<f64>) -> bool {
     const LEAST: f64 = 200.0;
     let all = vertices(ground, radius);
@@ -59,8 +59,8 @@ pub(super) fn estimate(
     quantum: &Quantum,
     radius: impl Fn(Face) -> Option<f64> + Sync,
 ) -> Vec<Option<(Blended, f64)>> {
-    /// A place also covers faces on the other side of a thin wall, but its window does not face them: they get places in
-    /// the next pass. A few that face aside of all around are left after that.
+    /// A place also covers faces on the other side of a thin wall, but its window does not face them: they get places
+    /// in the next pass. A few that face aside of all around are left after that.
     const PASSES: usize = 3;
     /// Cells in a window, at least. On a clean torus windows of 2,700 vertices are as near to the truth in 614 cells as
     /// without; in 140 the median error is 0.0029 of the curvature instead of 0.0017.
@@ -153,15 +153,15 @@ impl<'g> Surveyor<'g> {
     }
 }
 
-/// True for radii of faces that may share a window: what they would see apart differs by little more than what the window
-/// itself leaves open.
+/// True for radii of faces that may share a window: what they would see apart differs by little more than what the
+/// window itself leaves open.
 fn are_alike(a: f64, b: f64) -> bool {
     const MOST: f64 = 1.25;
     a < MOST * b && b < MOST * a
 }
 
-/// Faces, each with its radius, so that one of them covers each face that is left: lies within [`SPACING`] of it and has a
-/// radius alike; and for each face the number of the first one that does.
+/// Faces, each with its radius, so that one of them covers each face that is left: lies within [`SPACING`] of it and
+/// has a radius alike; and for each face the number of the first one that does.
 fn places(fans: &Fans<'_>, is_left: &[bool], radius: impl Fn(Face) -> Option<f64>) -> (Vec<(Face, f64)>, Vec<u32>) {
     const NONE: u32 = u32::MAX;
     let ground = fans.ground;

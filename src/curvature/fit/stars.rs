@@ -22,8 +22,8 @@ pub(super) struct Stars<'m> {
 /// How the surface goes on around a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Mark {
-    /// Not at all or in several fans, as sharp or non-manifold edges or several borders tell; or the faces are too many.
-    /// Fans without a border that touch in the vertex alone are not told apart.
+    /// Not at all or in several fans, as sharp or non-manifold edges or several borders tell; or the faces are too
+    /// many. Fans without a border that touch in the vertex alone are not told apart.
     Divided,
     /// In one fan, with a border on both sides.
     Border,
@@ -126,8 +126,8 @@ pub(super) fn half_edges(mesh: &Mesh, faces: Range<u32>) -> impl Iterator<Item =
     faces.map(Face).filter(takes_part).flat_map(Face::half_edges)
 }
 
-/// Lists of numbers one behind the other, as many as vertices for instance: first the lengths are counted in `ends`, then
-/// there is room, then the numbers are pushed.
+/// Lists of numbers one behind the other, as many as vertices for instance: first the lengths are counted in `ends`,
+/// then there is room, then the numbers are pushed.
 pub(super) struct Lists {
     ends: Vec<u32>,
     entries: Vec<u32>,

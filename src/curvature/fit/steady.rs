@@ -1,7 +1,7 @@
 //! Windows of one size for a whole mesh: the same linear measurement everywhere.
 //!
-//! For surfaces that are rough at every scale, and for a radius that the user has given (see [`shared`](super::shared) for large
-//! ones).
+//! For surfaces that are rough at every scale, and for a radius that the user has given (see [`shared`](super::shared)
+//! for large ones).
 
 use super::abreast::Abreast;
 use super::cells::Cells;
@@ -61,8 +61,8 @@ impl Fitted {
     }
 }
 
-/// The values of the `wanted` faces of a rough surface: a paraboloid in chord coordinates around every vertex of theirs,
-/// averaged over each face's corners.
+/// The values of the `wanted` faces of a rough surface: a paraboloid in chord coordinates around every vertex of
+/// theirs, averaged over each face's corners.
 pub(super) fn around_vertices(fans: &Fans<'_>, window: usize, wanted: &[bool]) -> Vec<Option<Blended>> {
     /// Cells in a window, at least. With half as many, values follow the meshing more than small windows' do.
     const ENOUGH: f64 = 72.0;
@@ -142,9 +142,9 @@ impl<'g, S: Sites> Steady<'g, S> {
         fitted.map(|fitted| fitted?.value())
     }
 
-    /// Surfaces through all vertices within a radius of the barycentres of up to four faces; exactly flat where they all
-    /// lie in a face's plane, as well as rounded coordinates tell. With the coverages of the windows. `None` where the
-    /// radius holds too few vertices, or those there are do not tell how the surface bends.
+    /// Surfaces through all vertices within a radius of the barycentres of up to four faces; exactly flat where they
+    /// all lie in a face's plane, as well as rounded coordinates tell. With the coverages of the windows. `None` where
+    /// the radius holds too few vertices, or those there are do not tell how the surface bends.
     pub(super) fn within(&mut self, faces: &[(Face, f64)], quantum: &Quantum) -> [Option<(Fitted, f64)>; LANES] {
         let mut flat = [None; LANES];
         let fitted = self.fit(faces.len(), |lane, sampler| {

@@ -16,7 +16,8 @@ use std::ops::Range;
 /// A facet is long where its shortest side is less than this share of its longest, and slender with less than that.
 const LONG: f64 = 0.5;
 const SLENDER: f64 = 0.25;
-/// Facets of one surface are alike: a strip ends before a facet so many times as wide as the one before it, or the reverse.
+/// Facets of one surface are alike: a strip ends before a facet so many times as wide as the one before it, or the
+/// reverse.
 const ALIKE: f64 = 3.0;
 /// Facets looked at on either side, as triangles.
 const REACH: usize = 12;

@@ -3,8 +3,9 @@
 use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
 
-/// Two to the power of the mean binary exponent of all sides of sound faces: nearly as much as most faces are wide. Single faces,
-/// however large or far from others, do not count for more, and neither does the order of faces or of their corners.
+/// Two to the power of the mean binary exponent of all sides of sound faces: nearly as much as most faces are wide.
+/// Single faces, however large or far from others, do not count for more, and neither does the order of faces or of
+/// their corners.
 pub(super) fn typical_width(mesh: &Mesh) -> f64 {
     let exponents = |f: u32| {
         let [a, b, c] = mesh.triangle(Face(f));

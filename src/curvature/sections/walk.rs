@@ -113,7 +113,8 @@ impl Kernel for Walk<'_> {
             c = c.with::<true>(e, c.segment());
             let mut crossings = 0;
             while !(a.goes_on(stop) | b.goes_on(stop) | c.goes_on(stop)).is_false_for_all() {
-                // Fetching and crossing of all three before what waits for their roots: several are then under way at once.
+                // Fetching and crossing of all three before what waits for their roots: several are then under way at
+                // once.
                 a = a.advanced(e, stop, slots, normal);
                 let segment_a = a.segment();
                 b = b.advanced(e, stop, slots, normal);

@@ -1,7 +1,7 @@
 //! Values of faces as one list for each accessor.
 //!
-//! A face's values stand side by side in memory, but a file takes one quantity of all faces after the other. To fetch all
-//! values from memory for each would take longer than all else that writing does; so several streams that follow
+//! A face's values stand side by side in memory, but a file takes one quantity of all faces after the other. To fetch
+//! all values from memory for each would take longer than all else that writing does; so several streams that follow
 //! one another are taken out at once.
 
 use super::draft::Piece;
