@@ -86,7 +86,7 @@ pub fn estimate(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress
         Some(values) => values,
         None => {
             let (_, order, values) = in_order(mesh.surface(), options, fixed, progress);
-            order.sorted(&values)
+            order.sorted(&values, FaceCurvature::within_32_bits)
         }
     };
     Ok(finish(mesh, values, progress))
@@ -106,7 +106,7 @@ pub fn estimate_owned(
         Some(values) => (mesh, values),
         None => {
             let (ordered, order, values) = in_order(mesh, options, fixed, progress);
-            let sorted = order.sorted(&values);
+            let sorted = order.sorted(&values, FaceCurvature::within_32_bits);
             drop(values);
             (ordered.back_to(order), sorted)
         }
@@ -123,7 +123,6 @@ fn begin(mesh: &Mesh, options: &CurvatureOptions, progress: &dyn Progress) -> Re
 }
 
 fn finish(mesh: &Mesh, mut values: Vec<FaceCurvature>, progress: &dyn Progress) -> Vec<FaceCurvature> {
-    values.par_iter_mut().for_each(FaceCurvature::drop_beyond_32_bits);
     for &(copy, original) in mesh.duplicates() {
         values[copy.index()] = values[original.index()];
     }
@@ -138,10 +137,12 @@ fn by_sections(
     fixed: Option<f64>,
     progress: &dyn Progress,
 ) -> Option<Vec<FaceCurvature>> {
-    match options.estimator {
-        Estimator::Osculating | Estimator::Osculating3 => sections::estimate(mesh, options, fixed, progress),
-        Estimator::Auto | Estimator::Tangent => None,
-    }
+    let mut values = match options.estimator {
+        Estimator::Osculating | Estimator::Osculating3 => sections::estimate(mesh, options, fixed, progress)?,
+        Estimator::Auto | Estimator::Tangent => return None,
+    };
+    values.par_iter_mut().for_each(|value| *value = value.within_32_bits());
+    Some(values)
 }
 
 /// Estimates all faces of a mesh but its duplicates, in an order that is good for caches.

@@ -50,12 +50,11 @@ impl FaceCurvature {
         class: FaceClass::NotEstimated,
     };
 
-    /// Of a face smaller than 1e-19 the square of a curvature may be more than 32 bits can hold, and
-    /// every value written must be finite.
-    pub(super) fn drop_beyond_32_bits(&mut self) {
-        if !(self.k_max * self.k_max).is_finite() || !(self.k_min * self.k_min).is_finite() {
-            *self = FaceCurvature::NOT_ESTIMATED;
-        }
+    /// The value, unless it cannot be written: of a face smaller than 1e-19 the square of a curvature may be more than
+    /// 32 bits can hold.
+    pub(super) fn within_32_bits(self) -> Self {
+        let is_finite = (self.k_max * self.k_max).is_finite() && (self.k_min * self.k_min).is_finite();
+        if is_finite { self } else { FaceCurvature::NOT_ESTIMATED }
     }
 
     /// True when the face has an estimate.

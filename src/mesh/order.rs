@@ -6,6 +6,8 @@ use crate::soup::{Group, Scene};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
+use std::sync::atomic::AtomicU32;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// Bits of a coordinate in a first sort along the curve, fewer where the numbers of faces need the room; and over the
 /// whole curve, for faces that share a cell then.
@@ -24,9 +26,9 @@ pub(crate) struct FileOrder {
 }
 
 impl FileOrder {
-    /// Values of the faces along the curve as those of the file.
-    pub(crate) fn sorted<T: Copy + Send + Sync>(&self, values: &[T]) -> Vec<T> {
-        self.places.par_iter().map(|place| values[place.index()]).collect()
+    /// What `of` makes of values of the faces along the curve, for those of the file.
+    pub(crate) fn sorted<T: Copy + Sync, U: Send>(&self, values: &[T], of: impl Fn(T) -> U + Sync) -> Vec<U> {
+        self.places.par_iter().map(|place| of(values[place.index()])).collect()
     }
 }
 
@@ -212,12 +214,11 @@ struct Numbers<'n, T> {
 }
 
 /// Where in a list of all faces or vertices each of them is.
-fn inverse<T: Copy>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> T) -> Vec<T> {
-    let mut places = vec![numbered(0); all.len()];
-    for (place, &of) in all.iter().enumerate() {
-        places[index(of)] = numbered(place as u32);
-    }
-    places
+fn inverse<T: Copy + Send + Sync>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> T) -> Vec<T> {
+    let places: Vec<AtomicU32> = (0..all.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    // Each is stored once, by whatever thread.
+    all.par_iter().enumerate().for_each(|(place, &of)| places[index(of)].store(place as u32, Relaxed));
+    places.into_par_iter().map(|place| numbered(place.into_inner())).collect()
 }
 
 /// True where all values are the same, in whatever order.
@@ -318,7 +319,7 @@ mod tests {
         }
         assert_eq!(ordered.positions().len(), mesh.positions().len());
 
-        assert!(order.sorted(&faces).iter().enumerate().all(|(f, number)| f == number.index()));
+        assert!(order.sorted(&faces, |face| face).iter().enumerate().all(|(f, number)| f == number.index()));
         let back = ordered.back_to(order);
         assert_eq!(back.positions(), mesh.positions());
         assert_eq!(back.topology().faces(), mesh.topology().faces());

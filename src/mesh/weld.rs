@@ -78,16 +78,34 @@ pub(super) fn keep_numbers<P: Position>(mut triangles: Vec<[u32; 3]>, given: &[P
 
 /// Looks each position up once for each body that uses it.
 fn weld_shared<P: Position>(triangles: &mut [[u32; 3]], bodies: &[Group], positions: &[P], table: &mut VertexTable<P>) {
+    /// Faces whose new positions are looked up together: a slot is far away, but many may be on their way at once.
+    const FACES: usize = 32;
+    /// Stands for the number of a position that is being looked up. Above those of all vertices.
+    const WANTED: u32 = NONE - 1;
     let mut vertex_of: Vec<u32> = vec![NONE; positions.len()];
+    let mut new: Vec<u32> = Vec::with_capacity(3 * FACES);
     for body in bodies {
         let first = table.begin_body();
-        for corner in triangles[range(&body.faces)].as_flattened_mut() {
-            let known = &mut vertex_of[*corner as usize];
-            // A number from before this body belongs to another coordinate space.
-            if *known == NONE || *known < first {
-                *known = table.vertex_at(positions[*corner as usize].canonical());
+        for faces in triangles[range(&body.faces)].chunks_mut(FACES) {
+            let corners = faces.as_flattened_mut();
+            new.clear();
+            for &corner in &*corners {
+                let known = &mut vertex_of[corner as usize];
+                // A number from before this body belongs to another coordinate space.
+                if *known == NONE || *known < first {
+                    *known = WANTED;
+                    new.push(corner);
+                }
             }
-            *corner = *known;
+            for some in new.chunks(TOGETHER) {
+                let (mut found, mut wanted) = ([0; TOGETHER], [P::ORIGIN; TOGETHER]);
+                for (position, &corner) in wanted.iter_mut().zip(some) {
+                    *position = positions[corner as usize].canonical();
+                }
+                table.find_all(&wanted[..some.len()], &mut found[..some.len()]);
+                some.iter().zip(found).for_each(|(&corner, vertex)| vertex_of[corner as usize] = vertex);
+            }
+            corners.iter_mut().for_each(|corner| *corner = vertex_of[*corner as usize]);
         }
     }
 }
