@@ -93,8 +93,10 @@ impl Values {
     /// Which faces fulfil a condition of `--select`.
     fn select<'py>(&self, py: Python<'py>, condition: &str) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let condition: Condition = condition.parse().map_err(|e: osculate::Error| errors::raise(py, &e))?;
-        let holds = self.values.iter().enumerate().map(|(f, value)| condition.holds(Face(f as u32), value));
-        Ok(holds.collect::<Vec<bool>>().into_pyarray(py))
+        let holds = |(f, value): (usize, &FaceCurvature)| condition.holds(Face(f as u32), value);
+        let holds =
+            work::run(py, None, None, |_| Ok(self.values.par_iter().enumerate().map(holds).collect::<Vec<bool>>()))?;
+        Ok(holds.into_pyarray(py))
     }
 
     /// Counts of classes and percentiles of quantities, as JSON.

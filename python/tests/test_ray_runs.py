@@ -67,7 +67,7 @@ def test_of_two_runs_that_begin_at_once_one_goes_on(shared: Store) -> None:
     def begin() -> None:
         try:
             outcomes.append(_lease.Lease(shared, "/shared/once"))
-        except BlockingIOError as error:
+        except osculate.BusyError as error:
             outcomes.append(error)
 
     threads = [threading.Thread(target=begin) for _ in range(2)]

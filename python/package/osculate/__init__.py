@@ -24,6 +24,7 @@ from ._mesh import Mesh, annotate, read
 from ._native import VERSION as __version__
 from .errors import (
     BugError,
+    BusyError,
     DefectWarning,
     EmptyMeshError,
     Error,
@@ -43,6 +44,7 @@ __all__ = [
     "METHODS",
     "QUANTITIES",
     "BugError",
+    "BusyError",
     "ColorScale",
     "DefectWarning",
     "Disk",

@@ -14,6 +14,7 @@ from typing import Any
 
 __all__ = [
     "BugError",
+    "BusyError",
     "DefectWarning",
     "EmptyMeshError",
     "Error",
@@ -76,6 +77,14 @@ class MissingFileError(FileError, FileNotFoundError):
 
 class ExistsError(FileError, FileExistsError):
     """An output that exists, with ``no_clobber``."""
+
+
+class BusyError(FileError, BlockingIOError):
+    """A folder that another batch is writing to."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence)
+        self._sentence = sentence
 
 
 class MissingPackageError(Error, ImportError):

@@ -89,7 +89,7 @@ def annotate_dataset(
 
     Raises:
         UsageError: For arguments and settings that make no sense, before anything is written.
-        BlockingIOError: While another run writes to the folder.
+        BusyError: While another run writes to the folder.
     """
     start = time.monotonic()
     if retries < 0 or files_per_task < 1:

@@ -16,6 +16,7 @@ import threading
 import time
 import uuid
 
+from ..errors import BusyError
 from ._store import Store
 
 LEASE = "osculate-batch.lease"
@@ -31,7 +32,7 @@ class Lease:
         """Takes the lease.
 
         Raises:
-            BlockingIOError: While another run has it.
+            BusyError: While another run has it.
         """
         self._store, self._path = store, posixpath.join(folder, LEASE)
         self._run, self._beats = uuid.uuid4().hex, 0
@@ -45,11 +46,11 @@ class Lease:
             while time.monotonic() < end and self._read() == found:
                 time.sleep(1.0)
             if self._read() not in (found, None):
-                raise BlockingIOError(f"{where}: another run is writing to this folder; wait for it to end")
+                raise BusyError(f"{where}: another run is writing to this folder; wait for it to end")
         self._write()
         time.sleep(_SETTLE)
         if not self._is_ours():
-            raise BlockingIOError(f"{where}: another run has just begun to write to this folder; wait for it to end")
+            raise BusyError(f"{where}: another run has just begun to write to this folder; wait for it to end")
         self._where = where
         self._thread = threading.Thread(target=self._beat, daemon=True)
         self._thread.start()
@@ -58,10 +59,10 @@ class Lease:
         """Whether it is still ours.
 
         Raises:
-            BlockingIOError: When another run took this one for dead, after a long sleep of the machine, say.
+            BusyError: When another run took this one for dead, after a long sleep of the machine, say.
         """
         if self._lost:
-            raise BlockingIOError(f"{self._where}: another run has taken this folder over; this one ends")
+            raise BusyError(f"{self._where}: another run has taken this folder over; this one ends")
 
     def close(self) -> None:
         """Gives it back."""

@@ -17,6 +17,7 @@ from typing import IO, Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from ..errors import BusyError
 from ._lease import Lease
 from ._lock import try_lock
 from ._store import Store
@@ -68,7 +69,7 @@ class Log:
         """Opens the log and locks it: by the system's locks where it is local, by a lease where others see it.
 
         Raises:
-            BlockingIOError: While another program writes to it.
+            BusyError: While another program writes to it.
         """
         self._store, self._folder = store, folder
         self._file: IO[bytes] | None = None
@@ -83,7 +84,7 @@ class Log:
             self._file = open(path, "a+b")
             if not try_lock(self._file):
                 self._file.close()
-                raise BlockingIOError(f"{folder}: another batch is writing to this folder; wait for it to end")
+                raise BusyError(f"{folder}: another batch is writing to this folder; wait for it to end")
         elif not store.is_private:
             self._lease = Lease(store, folder)
         if not resume:
