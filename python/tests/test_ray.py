@@ -21,6 +21,7 @@ import pyarrow.fs as pafs
 import pyarrow.parquet as pq
 import ray
 
+from osculate._native import Batch
 from osculate.ray import annotate_dataset
 from osculate.ray import _find, _stage, _work
 from osculate.ray._log import LOG, RECORDS, Log
@@ -455,12 +456,12 @@ def test_outputs_are_named_as_batch_names_them(tmp_path: Path) -> None:
         expected = {(row["output"], row["status"] != "failed") for row in lines(out)}
         shutil.rmtree(out)
         store = locate(tmp_path)[0]
-        found = _find.find(store, [str(path) for path in paths], (store, str(out)), "glb", False)
+        found = _find.find(store, [str(path) for path in paths], (store, str(out)), Batch([]), False)
         named = {(job.output, True) for job in found.jobs} | {(None, False) for _ in found.failures}
         assert named == expected, arguments
         # The same tree elsewhere, where patterns are matched here; links are files of their own there.
         other, _ = locate("memory://named")
-        same = _find.find(other, [f"/named/{a}" for a in arguments], (other, "/out"), "glb", False)
+        same = _find.find(other, [f"/named/{a}" for a in arguments], (other, "/out"), Batch([]), False)
         here, there = ({job.output for job in jobs if "loop" not in job.output} for jobs in (found.jobs, same.jobs))
         assert here == there, arguments
     memory.rm("/named", recursive=True)

@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("ray", reason="needs osculate[ray]")
 
+from osculate import BusyError
 from osculate.ray import _dataset, _find, _lease
 from osculate.ray._log import LOG, PARTS, Log
 from osculate.ray._store import Store, locate
@@ -67,7 +68,7 @@ def test_of_two_runs_that_begin_at_once_one_goes_on(shared: Store) -> None:
     def begin() -> None:
         try:
             outcomes.append(_lease.Lease(shared, "/shared/once"))
-        except osculate.BusyError as error:
+        except BusyError as error:
             outcomes.append(error)
 
     threads = [threading.Thread(target=begin) for _ in range(2)]

@@ -112,7 +112,7 @@ def annotate_dataset(
     marks = _marks(target, folder)
     work = Work(source, target, folder, marks, text, retries)
     keep_extension = bool(given.get("keep_extension"))
-    found = find(source, [path for _, path in sources], (target, folder), batch.extension, keep_extension)
+    found = find(source, [path for _, path in sources], (target, folder), batch, keep_extension)
     if target.is_local:
         os.makedirs(folder, exist_ok=True)
     with Log(target, folder, resume) as log:

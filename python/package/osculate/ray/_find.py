@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from .._native import is_mesh_name
+from .._native import Batch, is_mesh_name
 from ..errors import UsageError
 from ._store import File, Store, is_unfinished, local_file
 
@@ -54,15 +54,15 @@ class _Candidate:
         return posixpath.join(self.root, self.below)
 
 
-def find(store: Store, paths: Sequence[str], out: tuple[Store, str], extension: str, keep_extension: bool) -> Found:
+def find(store: Store, paths: Sequence[str], out: tuple[Store, str], batch: Batch, keep_extension: bool) -> Found:
     """Finds all files, once each.
 
     Args:
         store: Where all of them are.
         paths: Files, folders with all mesh files in and below them, and patterns (``*``, ``?``, ``[ab]``, ``**``).
         out: The output folder.
-        extension: Of all outputs.
-        keep_extension: Whether it stands behind the inputs' own instead of in its place.
+        batch: What tells the outputs' extension, and which files an input becomes.
+        keep_extension: Whether that extension stands behind the inputs' own instead of in its place.
 
     Raises:
         UsageError: For paths that cannot be meant.
@@ -94,9 +94,9 @@ def find(store: Store, paths: Sequence[str], out: tuple[Store, str], extension: 
     top = _common([candidate.root for candidate in candidates])
     for candidate in candidates:
         below = posixpath.relpath(candidate.real, top) if top else candidate.below
-        file, output = candidate.file, output_name(below, extension, keep_extension)
+        file, output = candidate.file, output_name(below, batch.extension, keep_extension)
         found.jobs.append(Job(file.path, output, file.bytes, file.modified))
-    _refuse_clashes(found, set(once), outputs)
+    _refuse_clashes(found, set(once), outputs, batch)
     return found
 
 
@@ -218,15 +218,18 @@ def output_name(below: str, extension: str, keep_extension: bool) -> str:
     return "/".join([*folders, f"{name}.{extension}"])
 
 
-def _refuse_clashes(found: Found, inputs: set[str], outputs: str | None) -> None:
+def _refuse_clashes(found: Found, inputs: set[str], outputs: str | None, batch: Batch) -> None:
     """Takes out jobs whose outputs would replace one another's, or an input."""
-    users = Counter(job.output for job in found.jobs)
+    files = [batch.files_of(job.output) for job in found.jobs]
+    users = Counter(file for of_job in files for file in of_job)
     jobs, found.jobs = found.jobs, []
-    for job in jobs:
-        if users[job.output] > 1:
-            message = f"another input would also be written to {job.output}; keep_extension=True keeps them apart"
+    for job, of_job in zip(jobs, files):
+        shared = next((file for file in of_job if users[file] > 1), None)
+        own = next((file for file in of_job if outputs is not None and posixpath.join(outputs, file) in inputs), None)
+        if shared is not None:
+            message = f"another input would also be written to {shared}; keep_extension=True keeps them apart"
             found.failures.append(Failure(job.input, message))
-        elif outputs is not None and posixpath.join(outputs, job.output) in inputs:
-            found.failures.append(Failure(job.input, f"{job.output} is an input; choose another output folder"))
+        elif own is not None:
+            found.failures.append(Failure(job.input, f"{own} is an input; choose another output folder"))
         else:
             found.jobs.append(job)
