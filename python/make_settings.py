@@ -75,8 +75,8 @@ def type_of(fact: dict[str, Any]) -> str:
 
 def entry(fact: dict[str, Any]) -> str:
     default = "" if fact["default"] is None else f" (default: {fact['default']})"
-    told = fact["help"] if fact["help"].endswith("...") else fact["help"].removesuffix(".")
-    comment = textwrap.fill(told + default + ".", 116, initial_indent="    #: ", subsequent_indent="    #: ")
+    told = (fact["help"] if fact["help"].endswith("...") else fact["help"].removesuffix(".")) + default
+    comment = textwrap.fill(told if told.endswith("...") else told + ".", 116, initial_indent="    #: ", subsequent_indent="    #: ")
     line = f"    {fact['name']}: {type_of(fact)} | None"
     if len(line) > 120:
         of = ",\n".join(f'        "{choice}"' for choice in fact["choices"])

@@ -156,7 +156,7 @@ impl Annotation<'_> {
     }
 
     /// What a legend of the colours shown needs: quantity, unit, map, range and a few colours with their
-    /// values, in the units of a glTF output. `None` where there are no colours.
+    /// values, in the output's units. `None` where there are no colours.
     pub fn legend(&self) -> Option<Value> {
         self.colors.first().map(|colors| legend_of(colors, self.space))
     }

@@ -59,15 +59,15 @@ impl Unit {
     }
 }
 
-/// From the input's axes and units to those of glTF.
+/// From the input's axes and units to those of an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Space {
     /// True when the input's +Z is up and becomes the output's +Y.
     pub z_up: bool,
-    /// The input's unit; lengths become metres. `None` leaves them as they are.
+    /// The input's unit, where it is known; lengths then become metres, unless they are kept.
     pub unit: Option<Unit>,
     /// True where the output keeps the input's axes and unit, which are then only told.
-    pub is_kept: bool,
+    pub(crate) is_kept: bool,
 }
 
 /// Which of the input's axes points up.

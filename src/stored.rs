@@ -16,6 +16,9 @@ pub struct StoredValues {
     pub settings: Value,
 }
 
+/// Columns without which values are of no use.
+pub(crate) const NEEDED: [&str; 6] = ["k_max", "k_min", "class", "dir_max_x", "dir_max_y", "dir_max_z"];
+
 impl StoredValues {
     /// One value per face. Where the file has no `dir_min`, it is normal x `dir_max`; where it has no
     /// `radius` or `gauss_perimeter`, they are NaN.
@@ -23,8 +26,7 @@ impl StoredValues {
     /// # Errors
     /// [`Error::Usage`] where `k_max`, `k_min`, `class` or `dir_max` is missing.
     pub fn curvature(&self, mesh: &Mesh) -> Result<Vec<FaceCurvature>, Error> {
-        let needed = ["k_max", "k_min", "class", "dir_max_x", "dir_max_y", "dir_max_z"];
-        if let Some(missing) = needed.iter().find(|name| !self.columns.contains_key(**name)) {
+        if let Some(missing) = NEEDED.iter().find(|name| !self.columns.contains_key(**name)) {
             let what = format!(
                 "the file does not have {missing} of every face, so its values cannot be used again; leave --reuse out"
             );

@@ -213,6 +213,9 @@ mod tests {
     fn corners_at_one_place_count_once() {
         let (triangles, outcome) = run(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]]);
         assert_eq!((triangles.len(), outcome), (1, Outcome::Exact));
+        // A pole with a vertex for each quad.
+        let (triangles, outcome) = run(&[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        assert_eq!((triangles.len(), outcome), (1, Outcome::Exact));
         // Of a polygon without area nothing is lost in silence.
         let (triangles, outcome) = run(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]);
         assert_eq!((triangles.len(), outcome), (2, Outcome::Rough));

@@ -199,3 +199,24 @@ fn sharp_edges_of_a_coarse_model_are_meant_and_not_noise() {
     assert!(2 * by(Method::Patches) > values.len(), "{}", by(Method::Patches));
     assert!(by(Method::Sections) > 150, "{}", by(Method::Sections));
 }
+
+/// An octahedron has too few vertices for windows and for fits: with a radius or without, it gets the same sections.
+#[test]
+fn what_a_radius_says_nothing_of_has_the_value_it_has_without() {
+    let corners =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let soup = Soup::new(Positions::F64(corners.to_vec()), faces.to_vec());
+    let round = osculate::MeshOptions { feature_angle: 180.0, ..Default::default() };
+    let mesh = Mesh::from_soup(&soup, &round).expect("a mesh");
+    let of = |radius: osculate::Radius| {
+        let options = CurvatureOptions { radius, ..CurvatureOptions::default() };
+        osculate::estimate(&mesh, &options, &NoProgress).expect("an estimate")
+    };
+    let free = of(osculate::Radius::Auto);
+    assert!(free.iter().all(|value| value.method == Method::Sections && value.k_min > 0.0), "{free:?}");
+    for radius in [osculate::Radius::FaceFactor(0.5), osculate::Radius::Length(0.3), osculate::Radius::MeshFactor(0.7)]
+    {
+        assert_eq!(common::differing(&of(radius), &free), 0, "{radius:?}");
+    }
+}

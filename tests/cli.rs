@@ -100,9 +100,9 @@ fn numbers_go_to_standard_output_where_asked_for() {
     assert!(!folder.path().join("-").exists());
 }
 
-/// Surfaces made of quads that meet in a pole, with the pole once, or once for each quad.
+/// Programs write triangles as quads that name a corner twice.
 #[test]
-fn quads_that_end_in_a_pole_are_triangles() {
+fn quads_that_name_a_corner_twice_are_triangles() {
     let folder = folder();
     let run = osculate(folder.path(), &["synth", "sphere", "--cells", "12,8", "-o", "s.obj"]);
     assert_eq!(run.status.code(), Some(0), "{}", stderr(&run));
@@ -165,7 +165,8 @@ fn what_others_changed_in_a_gltf_is_told_and_no_reason_to_refuse_it() {
     let k_max = document["meshes"][0]["primitives"][0]["attributes"]["_CURVATURE_MAX"].as_u64().expect("an attribute");
     document["accessors"][k_max as usize]["componentType"] = 5125.into();
     fs::write(folder.path().join("b.gltf"), document.to_string()).expect("writable");
-    assert!(run(&["annotate", "b.gltf", "-o", "b.glb"], 0).contains("--reuse"));
+    assert!(run(&["annotate", "a.gltf", "-o", "b.glb"], 0).contains("--reuse"));
+    assert!(!run(&["annotate", "b.gltf", "-o", "b.glb"], 0).contains("--reuse"));
     assert!(run(&["annotate", "b.gltf", "-o", "b.glb", "--reuse"], 1).contains("32-bit floats"));
     assert!(run(&["report", "b.gltf", "-o", "b.html"], 0).contains("estimated again"));
     fs::create_dir(folder.path().join("deep")).expect("a folder");
@@ -173,7 +174,7 @@ fn what_others_changed_in_a_gltf_is_told_and_no_reason_to_refuse_it() {
         fs::write(folder.path().join(file), fixture(file)).expect("writable");
     }
     let said = run(&["annotate", "scene.gltf", "-o", "deep/c.glb"], 3);
-    assert!(said.contains("an image is not carried over") && said.contains("Tiles.png"), "{said}");
+    assert!(said.contains("1 image not carried over") && said.contains("Tiles.png"), "{said}");
     let outside = String::from_utf8(fixture("scene.gltf")).expect("text").replace("Tiles.png", "../Tiles.png");
     fs::write(folder.path().join("scene.gltf"), outside).expect("writable");
     let said = run(&["annotate", "scene.gltf", "-o", "deep/c.glb"], 3);
@@ -384,6 +385,8 @@ fn bad_usage_is_told_before_any_work() {
         assert_eq!(run.status.code(), Some(2), "{args:?}");
         assert!(stderr(&run).contains(expected), "{args:?}: {}", stderr(&run));
     }
+    let upper = osculate(folder.path(), &["section", "fixtures/suzanne.stl", "--plane", "0,0,1,0", "-o", "cut.SVG"]);
+    assert_eq!(upper.status.code(), Some(0), "{}", stderr(&upper));
     let missing = annotate(&["-o", "no/such/folder/a.glb"]);
     assert_eq!(missing.status.code(), Some(1));
     assert!(stderr(&missing).contains("no/such/folder"));

@@ -188,7 +188,12 @@ fn values_of_an_annotated_file_are_shown_again() {
     assert_ne!(page.array(0, "k_max"), page.array(1, "k_max"));
     let again = Page::read(&folder.path().join("again.html"));
     assert_eq!(again.facts["models"][0]["settings"]["estimator"], "auto");
-    // An estimate that is asked for is made.
+    // An estimate that is asked for is made, also with what is the default.
+    for (option, value) in [("--estimator", "auto"), ("--feature-angle", "40")] {
+        run(folder.path(), 0, &["report", "c.glb", option, value, "-o", "again.html", "-q"]);
+        let again = Page::read(&folder.path().join("again.html"));
+        assert_eq!(again.facts["models"][0]["settings"]["estimator"], "auto", "{option}");
+    }
     run(folder.path(), 0, &["report", "c.glb", "--radius", "20", "-o", "wide.html", "-q"]);
     let wide = Page::read(&folder.path().join("wide.html"));
     assert_eq!(wide.facts["models"][0]["settings"]["radius"], 20.0);

@@ -467,6 +467,14 @@ def test_outputs_are_named_as_batch_names_them(tmp_path: Path) -> None:
     memory.rm("/named", recursive=True)
 
 
+def test_what_is_written_beside_an_output_counts_too(tmp_path: Path) -> None:
+    source = tree(tmp_path / "in", {"a.stl": "suzanne.stl", "a.edges.stl": "suzanne.stl", "b.stl": "suzanne.stl"})
+    store = locate(source)[0]
+    for settings, count in (([], 3), ([("edges", [])], 1)):
+        found = _find.find(store, [str(source)], (store, str(tmp_path / "out")), Batch(settings), False)
+        assert len(found.jobs) == count, [failure.message for failure in found.failures]
+
+
 def test_what_makes_no_sense_is_told_before_anything_is_written(tmp_path: Path) -> None:
     source, out = tree(tmp_path / "in", {"a.stl": "suzanne.stl"}), tmp_path / "out"
     (tmp_path / "empty").mkdir()

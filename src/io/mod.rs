@@ -46,9 +46,9 @@ pub fn stored_values(soup: &Soup) -> Result<Option<StoredValues>, Error> {
     soup.scene.as_ref().map_or(Ok(None), gltf::read_values)
 }
 
-/// True for a glTF file that Osculate has written, whether or not its values can still be used.
+/// True where a file has all the values that [`stored_values`] needs, by their names and types.
 pub(crate) fn carries_values(soup: &Soup) -> bool {
-    soup.scene.as_ref().is_some_and(gltf::are_marked)
+    soup.scene.as_ref().is_some_and(gltf::are_there)
 }
 
 /// A file format that annotated meshes are written in.

@@ -5,11 +5,10 @@
 //! Tests compare the two on files that both read.
 
 use super::folders::Folders;
-use super::polygons::Polygons;
+use super::polygons::{Examples, Polygons};
 use super::text::{self, Lines, Words};
 use crate::error::ParseError;
 use crate::soup::{Note, Positions, Soup, short_name};
-use crate::wording::counted;
 
 /// True when one of the first lines is a vertex or face statement.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
@@ -33,7 +32,8 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
     let (mut object, mut group, mut material) = (String::new(), String::new(), String::new());
     // The largest vertex number, from 0, as it is written, and its line.
     let mut largest: Option<(u32, i64, u64)> = None;
-    let mut too_few = Vec::new();
+    // The line of the first face with too few corners.
+    let mut too_few: Option<u64> = None;
     let mut libraries: Vec<(u64, String)> = Vec::new();
 
     let mut lines = Lines::new(bytes);
@@ -51,20 +51,19 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
             Some(b"v") => positions.push(position(words, line, content)?),
             // The old name of faces.
             Some(b"f" | b"fo") => {
+                let mut largest_here = None;
                 for word in words {
                     let index = vertex_index(word, line)?;
                     let corner = corner(index, positions.len());
-                    if largest.is_none_or(|(largest, ..)| corner > largest) {
-                        largest = Some((corner, index, line));
-                    }
+                    largest_here = largest_here.max(Some((corner, index, line)));
                     polygons.corner(corner);
                 }
                 if polygons.open_corners() < 3 {
-                    polygons.drop_face();
-                    too_few.push(line);
-                } else {
-                    polygons.end_face();
+                    too_few.get_or_insert(line);
+                } else if largest_here.map(|(corner, ..)| corner) > largest.map(|(corner, ..)| corner) {
+                    largest = largest_here;
                 }
+                polygons.end_face();
             }
             Some(keyword @ (b"o" | b"g" | b"usemtl")) => {
                 let name = text::name(&content.trim_ascii()[keyword.len()..]);
@@ -91,17 +90,11 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
             _ => {}
         }
     }
-    if polygons.count() == 0 && !too_few.is_empty() {
-        return Err(ParseError::file("there are no faces with three or more corners"));
-    }
-    let largest = largest.map(|(_, index, line)| format!("vertex {index} in line {line}"));
-    let mut soup = polygons.into_grouped(Positions::F64(positions), &groups, largest.as_deref())?;
-    if let Some(line) = too_few.first() {
-        soup.notes.push(Note::repaired(format!(
-            "{} left out for having fewer than three corners, the first in line {line}",
-            counted(too_few.len(), "face")
-        )));
-    }
+    let examples = Examples {
+        largest: largest.map(|(_, index, line)| format!("vertex {index} in line {line}")),
+        too_few: too_few.map(|line| format!("in line {line}")),
+    };
+    let mut soup = polygons.into_grouped(Positions::F64(positions), &groups, &examples)?;
     look_for(&libraries, folders, &mut soup);
     Ok(soup)
 }
@@ -284,6 +277,7 @@ mod tests {
             ("f 0 1 2", "line 5: vertex number 0"),
             ("f -9 1 2", "such as vertex -9 in line 5"),
             ("f 1 9999999999 2", "such as vertex 9999999999 in line 5"),
+            ("f 1 99\nf 1 2 9", "such as vertex 9 in line 6"),
             ("f a b c", "line 5: \"a\""),
         ] {
             let error = read(format!("{SQUARE}{face}\n").as_bytes(), None).expect_err(face).to_string();

@@ -16,7 +16,15 @@ pub(super) struct Polygons {
     corners: Vec<u32>,
     /// The end of each polygon in `corners`.
     ends: Vec<usize>,
-    too_few: usize,
+}
+
+/// Where in a file something is that a message tells of, in words; `None` where only the face's number is known.
+#[derive(Default)]
+pub(super) struct Examples {
+    /// The largest vertex number of a face with three corners or more.
+    pub(super) largest: Option<String>,
+    /// The first face with fewer than three corners.
+    pub(super) too_few: Option<String>,
 }
 
 impl Polygons {
@@ -42,15 +50,10 @@ impl Polygons {
         }
     }
 
-    /// Ends the current polygon.
+    /// Ends the current polygon. One with fewer than three corners counts, but has no triangles.
     #[inline]
     pub(super) fn end_face(&mut self) {
-        let ended = self.ended();
-        match self.corners[ended..] {
-            [] | [_] | [_, _] => {
-                self.corners.truncate(ended);
-                self.too_few += 1;
-            }
+        match self.corners[self.ended()..] {
             [a, b, c] if self.ends.is_empty() => {
                 self.triangles.push([a, b, c]);
                 self.corners.clear();
@@ -59,7 +62,7 @@ impl Polygons {
         }
     }
 
-    /// Polygons that have ended and have not been dropped.
+    /// Polygons that have ended.
     pub(super) fn count(&self) -> usize {
         self.triangles.len() + self.ends.len()
     }
@@ -67,11 +70,6 @@ impl Polygons {
     /// Corners of the current polygon.
     pub(super) fn open_corners(&self) -> usize {
         self.corners.len() - self.ended()
-    }
-
-    /// Drops the current polygon.
-    pub(super) fn drop_face(&mut self) {
-        self.corners.truncate(self.ended());
     }
 
     /// The corners of polygons that have ended.
@@ -94,7 +92,7 @@ impl Polygons {
 
     /// The triangles over `positions`. Polygons that name other vertices are left out and told.
     pub(super) fn into_soup(self, positions: Positions) -> Result<Soup, ParseError> {
-        self.into_grouped(positions, &[], None)
+        self.into_grouped(positions, &[], &Examples::default())
     }
 
     /// The same with groups, each a name and the number of polygons before it, which ends the one before. `largest`
@@ -103,17 +101,18 @@ impl Polygons {
         self,
         positions: Positions,
         groups: &[(String, usize)],
-        largest: Option<&str>,
+        examples: &Examples,
     ) -> Result<Soup, ParseError> {
         if self.count() == 0 {
             return Err(ParseError::file("there are no faces: a point cloud must be meshed first"));
         }
         let count = positions.len();
-        let more = self.ended() - 2 * self.ends.len();
+        let starts = || std::iter::once(0).chain(self.ends.iter().copied());
+        let more: usize = starts().zip(&self.ends).map(|(start, &end)| (end - start).saturating_sub(2)).sum();
         if self.triangles.len() + more > MAX_FACES {
             return Err(ParseError::file(format!("there are more than the {MAX_FACES} triangles that can be handled")));
         }
-        let mut outside = Outside::default();
+        let mut outside = Few::default();
         let mut spans = Spans { left: groups, spans: Vec::new() };
         let mut triangles = self.triangles;
         let before = triangles.len();
@@ -133,37 +132,45 @@ impl Polygons {
             }
         }
         triangles.reserve_exact(more);
-        let (mut rough, mut start, mut effort) = (0, 0, Effort::default());
-        for (i, &end) in self.ends.iter().enumerate() {
+        let (mut rough, mut effort, mut too_few) = (0, Effort::default(), Few::default());
+        for (i, (start, &end)) in starts().zip(&self.ends).enumerate() {
             let corners = &self.corners[start..end];
             spans.reach(before + i, triangles.len());
-            if outside.all_inside(before + i, corners, count)
+            if corners.len() < 3 {
+                too_few.add(before + i);
+            } else if outside.all_inside(before + i, corners, count)
                 && triangulate(corners, |c| positions.get(c as usize), &mut effort, &mut triangles) == Outcome::Rough
             {
                 rough += 1;
             }
-            start = end;
         }
-        let example = largest.map(|largest| format!(", such as {largest}")).unwrap_or_default();
+        let example = examples.largest.as_ref().map(|largest| format!(", such as {largest}"));
+        if triangles.is_empty() && outside.count == 0 {
+            return Err(ParseError::file("there are no faces with three or more corners"));
+        }
         if triangles.is_empty() {
+            let example = example.unwrap_or_default();
             return Err(ParseError::file(format!(
-                "all faces name vertices out of range: the file has {count} vertices{example}"
+                "all faces name vertices out of range (there are {count} vertices){example}"
             )));
         }
         let end = triangles.len();
         let mut soup = Soup::new(positions, triangles);
         soup.groups = spans.ended(end);
-        if let Outside { faces: 1.., first } = outside {
-            let example = if example.is_empty() { format!(", the first is face {first}") } else { example };
+        let first = |few: &Few| format!(", the first is face {}", few.first);
+        if outside.count > 0 {
+            let example = example.unwrap_or_else(|| first(&outside));
             soup.notes.push(Note::repaired(format!(
                 "{} left out for a vertex number out of range (there are {count} vertices){example}",
-                counted(outside.faces, "face")
+                counted(outside.count, "face")
             )));
         }
-        if self.too_few > 0 {
+        if too_few.count > 0 {
+            let example = examples.too_few.as_ref().map(|place| format!(", the first {place}"));
             soup.notes.push(Note::repaired(format!(
-                "{} left out for having fewer than three corners",
-                counted(self.too_few, "face")
+                "{} left out for having fewer than three corners{}",
+                counted(too_few.count, "face"),
+                example.unwrap_or_else(|| first(&too_few))
             )));
         }
         if rough > 0 {
@@ -216,22 +223,26 @@ impl Spans<'_> {
     }
 }
 
-/// Polygons that name vertices out of range.
+/// Polygons that are left out.
 #[derive(Default)]
-struct Outside {
-    faces: usize,
+struct Few {
+    count: usize,
     first: usize,
 }
 
-impl Outside {
-    /// True when all corners are below `count`; otherwise the face is counted.
+impl Few {
+    fn add(&mut self, face: usize) {
+        if self.count == 0 {
+            self.first = face;
+        }
+        self.count += 1;
+    }
+
+    /// True when all corners are below `count`; otherwise the face is added.
     fn all_inside(&mut self, face: usize, corners: &[u32], count: usize) -> bool {
         let inside = corners.iter().all(|&corner| (corner as usize) < count);
         if !inside {
-            if self.faces == 0 {
-                self.first = face;
-            }
-            self.faces += 1;
+            self.add(face);
         }
         inside
     }

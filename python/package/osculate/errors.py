@@ -82,9 +82,11 @@ class ExistsError(FileError, FileExistsError):
 class BusyError(FileError, BlockingIOError):
     """A folder that another batch is writing to."""
 
-    def __init__(self, sentence: str) -> None:
-        super().__init__(sentence)
-        self._sentence = sentence
+    def __init__(self, folder: str, what: str) -> None:
+        import errno
+
+        super().__init__(errno.EWOULDBLOCK, what, folder)
+        self._sentence = f"{folder}: {what}"
 
 
 class MissingPackageError(Error, ImportError):

@@ -1,11 +1,13 @@
 //! `osculate report`.
 
 use super::input::ReadingArgs;
+use super::settings::OF_ESTIMATION;
 use super::{CommonArgs, EstimationArgs, MeshArgs, SpaceArgs};
 use crate::cli::choices::ColorByArg;
 use crate::cli::parse::{range, size, view};
 use clap::Args;
-use osculate::{Colormap, CurvatureOptions, PictureOptions, Range, ReportOptions, ViewFrom};
+use clap::builder::ArgPredicate;
+use osculate::{Colormap, PictureOptions, Range, ReportOptions, ViewFrom};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -26,8 +28,8 @@ pub(in crate::cli) struct ReportArgs {
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) png: Option<PathBuf>,
 
-    /// Estimate the values also where an annotated glTF carries them, as any other option of estimation does
-    #[arg(long, help_heading = "Estimation")]
+    /// Estimate the values also where an annotated glTF carries them, as any other option of estimation does, --feature-angle and --weld
+    #[arg(long, help_heading = "Estimation", default_value_ifs = OF_ESTIMATION.map(|id| (id, ArgPredicate::IsPresent, "true")))]
     no_reuse: bool,
 
     #[command(flatten)]
@@ -88,13 +90,11 @@ pub(in crate::cli) struct ReportArgs {
 impl ReportArgs {
     pub(in crate::cli) fn options(&self) -> Result<ReportOptions, osculate::Error> {
         let color_by: Option<osculate::Quantity> = self.color_by.into();
-        let curvature = self.estimation.options();
         Ok(ReportOptions {
             read: self.reading.options()?,
             mesh: self.mesh.options(),
-            curvature,
-            // Who asks for an estimate does not want that of another run.
-            reuse: !self.no_reuse && curvature == CurvatureOptions::default(),
+            curvature: self.estimation.options(),
+            reuse: !self.no_reuse,
             color_by: color_by
                 .ok_or_else(|| osculate::Error::Usage("a report shows colours; give --color-by a quantity".into()))?,
             colormap: self.colormap.as_deref().map(Colormap::named).transpose()?,

@@ -4,6 +4,10 @@ use super::{EstimationArgs, LookArgs, MeshArgs, ReadingArgs};
 use clap::Args;
 use osculate::AnnotateOptions;
 
+/// Options that decide the values: who gives one does not want those of another run.
+pub(super) const OF_ESTIMATION: [&str; 7] =
+    ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
+
 #[derive(Debug, Args)]
 pub(in crate::cli) struct SettingsArgs {
     #[command(flatten)]
@@ -17,7 +21,7 @@ pub(in crate::cli) struct SettingsArgs {
 
     /// Take the values that a glTF input carries from an earlier run instead of estimating them
     #[arg(long, help_heading = "Estimation",
-          conflicts_with_all = ["estimator", "radius", "radius_factor", "diameters", "class_tolerance"])]
+          conflicts_with_all = OF_ESTIMATION)]
     reuse: bool,
 }
 

@@ -204,8 +204,10 @@ fn hung_together(sites: &impl Sites) -> Vec<u64> {
 }
 
 /// Middles of groups, of which none is a neighbour of another, and the group of each site. A site is a middle if its
-/// number is greater than those of all its neighbours that could be one.
+/// number is greater than those of all its neighbours that could be one; after many rounds, its lot.
 fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
+    /// Scans and grids need some ten.
+    const ORDERLY_ROUNDS: usize = 64;
     #[derive(Clone, Copy, PartialEq)]
     enum State {
         Open,
@@ -215,7 +217,7 @@ fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
     // A site has to wait for all greater ones around. Where numbers rise steadily, as towards the middle of a cell of
     // the grid that many sites share, that takes as many rounds as there are sites on the way: after some, lots are
     // drawn.
-    let mut rounds = 0..64;
+    let mut rounds = 0..ORDERLY_ROUNDS;
     // Each its own.
     let lot = |site: u32| site.reverse_bits().wrapping_mul(0x9E37_79B1);
     let mut states = vec![State::Open; sites.count()];

@@ -36,10 +36,9 @@ fn vertices(ground: &Ground<'_>, radius: impl Fn(Face) -> Option<f64>) -> Vec<f6
         let (count, area) = around.fold((0, 0.0), |(count, area), &f| (count + 1, area + mesh.area(Face(f))));
         // A vertex has two faces.
         let vertices = PI * radius(face)?.powi(2) * f64::from(count) / (2.0 * area);
-        Some(vertices.min(mesh.positions().len() as f64))
+        vertices.is_finite().then(|| vertices.min(mesh.positions().len() as f64))
     };
     let mut all: Vec<f64> = faces.filter(|&face| mesh.is_sound(face)).filter_map(vertices).collect();
-    all.retain(|count| count.is_finite());
     all.sort_unstable_by(f64::total_cmp);
     all
 }
@@ -262,6 +261,27 @@ mod tests {
             compared += 1;
         }
         assert!(2 * compared > mesh.face_count(), "{compared}");
+    }
+
+    /// Most faces have few others within the radius, some have very many.
+    #[test]
+    fn sharing_is_decided_by_the_work_that_it_spares() {
+        let graded = |fine: usize| {
+            let crowd = |t: f64| if t < 0.0 { t } else { t.powi(6) };
+            let soup = Grid::new(Surface::Plane, fine, fine).build().soup;
+            let points = (0..soup.positions.len()).map(|v| {
+                let glam::DVec3 { x, y, .. } = soup.positions.get(v);
+                [crowd(x), crowd(y), 0.0]
+            });
+            Soup::new(crate::Positions::F64(points.collect()), soup.triangles)
+        };
+        let pays_on = |soup: &Soup, radius: f64| {
+            let mesh = Mesh::from_soup(soup, &MeshOptions::default()).expect("a mesh");
+            let work = Work::new(&NoProgress, 0);
+            pays(&Ground::new(&mesh, false, &work), |_| Some(radius))
+        };
+        assert!(pays_on(&graded(100), 0.1));
+        assert!(!pays_on(&Grid::new(Surface::Plane, 100, 100).build().soup, 0.1));
     }
 
     /// A needle's plane says nothing of what lies around it.

@@ -15,9 +15,11 @@ use super::strip::{FACE_VALUES, MARK, Primary, VARIANTS};
 use super::vertices::Owners;
 use crate::annotation::{Annotation, ColorCarrier, Layout};
 use crate::error::Error;
+use crate::io::text::quoted;
 use crate::numbers::Numbers;
 use crate::quantity::Quantity;
 use crate::soup::{Note, PrimitiveFaces};
+use crate::wording::counted;
 use serde_json::{Value, json};
 
 pub(super) const ARRAY_BUFFER: u32 = 34962;
@@ -140,28 +142,32 @@ fn correct_bounds(
     Ok(())
 }
 
-/// What is to be said of images in files of their own that cannot be read, and so cannot be carried over.
-pub(super) fn lost_images(draft: &Draft<'_>, opened: &Opened<'_>) -> Vec<Note> {
-    let images = draft.root.get("images").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let relative = images.iter().filter_map(|image| super::opened::is_relative(image.get("uri")?));
-    let lost = relative.filter_map(|uri| opened.image(uri).err());
-    lost.map(|why| Note::repaired(format!("an image is not carried over, since {why}"))).collect()
+/// The content and the media type of an image in a file of its own, or why it cannot be carried over; `None` for one
+/// that is not in such a file.
+fn image_file(image: &Value, opened: &Opened<'_>) -> Option<Result<(Vec<u8>, String), String>> {
+    let uri = super::opened::is_relative(image.get("uri")?)?;
+    Some(opened.image(uri).and_then(|bytes| {
+        let stated = image.get("mimeType").and_then(Value::as_str).or_else(|| super::opened::media_type(&bytes, uri));
+        let kind =
+            stated.map(str::to_owned).ok_or_else(|| format!("{} is of no known type", quoted(uri.as_bytes())))?;
+        Ok((bytes, kind))
+    }))
 }
 
-/// Puts images that lie in files of their own into the buffer. One that cannot be read stays where
-/// it is.
+/// What is to be said of images that cannot be carried over.
+pub(super) fn note_of_lost_images(draft: &Draft<'_>, opened: &Opened<'_>) -> Option<Note> {
+    let images = draft.root.get("images").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    let lost: Vec<String> = images.iter().filter_map(|image| image_file(image, opened)?.err()).collect();
+    let first = lost.first()?;
+    let count = counted(lost.len(), "image");
+    Some(Note::repaired(format!("{count} not carried over: {first}")))
+}
+
+/// Puts images that lie in files of their own into the buffer. One that cannot be carried over keeps its name.
 fn carry_images(draft: &mut Draft<'_>, opened: &Opened<'_>) {
     let images = draft.root.get("images").and_then(Value::as_array).map_or(0, Vec::len);
     for i in 0..images {
-        let Some(uri) = draft.list("images")[i].get("uri").and_then(super::opened::is_relative).map(str::to_owned)
-        else {
-            continue;
-        };
-        let Ok(bytes) = opened.image(&uri) else { continue };
-        let stated = draft.list("images")[i].get("mimeType").and_then(Value::as_str).map(str::to_owned);
-        let Some(kind) = stated.or_else(|| super::opened::media_type(&bytes, &uri).map(str::to_owned)) else {
-            continue;
-        };
+        let Some(Ok((bytes, kind))) = image_file(&draft.list("images")[i], opened) else { continue };
         let view = draft.add_view(Piece::Bytes(bytes), None, None);
         if let Some(image) = draft.list("images")[i].as_object_mut() {
             image.remove("uri");

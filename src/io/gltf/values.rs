@@ -8,7 +8,7 @@ use super::strip::FACE_VALUES;
 use crate::error::{Error, ParseError};
 use crate::quantity::Quantity;
 use crate::soup::{PrimitiveFaces, Scene};
-use crate::stored::StoredValues;
+use crate::stored::{NEEDED, StoredValues};
 use gltf_json as json;
 use json::accessor::ComponentType;
 use json::validation::Checked;
@@ -29,14 +29,12 @@ pub(in crate::io) fn read_values(scene: &Scene) -> Result<Option<StoredValues>, 
             settings.get_or_insert_with(|| mark.get("settings").cloned().unwrap_or_default());
             let mut found = 0;
             for (name, attribute) in names() {
-                let values = match per_triangle(primitive, name) {
-                    Some(accessor) => floats(&opened, &accessors, accessor)?,
-                    None => match primitive.get("attributes").and_then(|a| index(a.get(attribute)?)) {
-                        Some(accessor) => {
-                            at_corners(&opened, &accessors, place, &floats(&opened, &accessors, accessor)?)?
-                        }
-                        None => continue,
-                    },
+                let values = match accessor_of(primitive, name, attribute) {
+                    Some((accessor, true)) => floats(&opened, &accessors, accessor)?,
+                    Some((accessor, false)) => {
+                        at_corners(&opened, &accessors, place, &floats(&opened, &accessors, accessor)?)?
+                    }
+                    None => continue,
                 };
                 if values.len() != place.faces.len() {
                     let path = format!("meshes[{}].primitives[{}]", place.mesh, place.primitive);
@@ -62,13 +60,26 @@ pub(in crate::io) fn read_values(scene: &Scene) -> Result<Option<StoredValues>, 
     read().map_err(|e| opened.error(e))
 }
 
-/// True where all primitives are marked as ours; their values may still turn out not to be usable.
-pub(in crate::io) fn are_marked(scene: &Scene) -> bool {
-    let is_marked = |opened: Opened<'_>| {
+/// True where all primitives have values that look as if they could be used again; what they are is not read.
+pub(in crate::io) fn are_there(scene: &Scene) -> bool {
+    let are_there = |opened: Opened<'_>| {
         let root = opened.root().ok()?;
-        Some(scene.primitives.iter().all(|place| marked(&root, place).is_some()))
+        let is_there = |place: &PrimitiveFaces| {
+            let (_, primitive) = marked(&root, place)?;
+            let mut needed = names().filter(|(name, _)| NEEDED.contains(name));
+            Some(needed.all(|(name, attribute)| {
+                accessor_of(primitive, name, attribute).is_some_and(|(accessor, _)| is_float(&opened, accessor))
+            }))
+        };
+        Some(scene.primitives.iter().all(|place| is_there(place).unwrap_or(false)))
     };
-    Opened::new(scene).ok().flatten().and_then(is_marked).unwrap_or(false)
+    Opened::new(scene).ok().flatten().and_then(are_there).unwrap_or(false)
+}
+
+/// The accessor of a column's values, and whether it has one for each triangle.
+fn accessor_of(primitive: &Value, name: &str, attribute: &str) -> Option<(usize, bool)> {
+    let of_triangles = per_triangle(primitive, name).map(|accessor| (accessor, true));
+    of_triangles.or_else(|| Some((index(primitive.get("attributes")?.get(attribute)?)?, false)))
 }
 
 /// CSV column and glTF attribute of every component of every quantity.
@@ -88,14 +99,16 @@ fn per_triangle(primitive: &Value, name: &str) -> Option<usize> {
     index(primitive.get("extensions")?.get(FACE_VALUES)?.get("values")?.get(name)?.get("accessor")?)
 }
 
-fn floats(opened: &Opened<'_>, accessors: &Accessors<'_>, number: usize) -> Result<Vec<f32>, ParseError> {
-    let path = format!("accessors[{number}]");
-    let accessor = opened.document.accessors.get(number);
-    let is_float = accessor.is_some_and(|accessor| match &accessor.component_type {
+fn is_float(opened: &Opened<'_>, accessor: usize) -> bool {
+    opened.document.accessors.get(accessor).is_some_and(|accessor| match &accessor.component_type {
         Checked::Valid(component) => component.0 == ComponentType::F32,
         Checked::Invalid => false,
-    });
-    if !is_float {
+    })
+}
+
+fn floats(opened: &Opened<'_>, accessors: &Accessors<'_>, number: usize) -> Result<Vec<f32>, ParseError> {
+    let path = format!("accessors[{number}]");
+    if !is_float(opened, number) {
         return Err(ParseError::json(path, "values of faces must be 32-bit floats"));
     }
     let array = accessors.any(json::Index::new(number as u32), &path)?;

@@ -6,7 +6,7 @@
 
 use super::accessor::Accessors;
 use super::columns::Columns;
-use super::document::{Document, build, lost_images, prepare};
+use super::document::{Document, build, note_of_lost_images, prepare};
 use super::draft::{Packed, Piece};
 use super::layout::check_glb_length;
 use super::opened::Opened;
@@ -39,7 +39,7 @@ pub(in crate::io) fn check_original(
         let accessors = opened.accessors();
         let (draft, ..) = prepare(&opened, &accessors, opened.primitives, force, &mut notes)?;
         if !folder.is_some_and(|folder| opened.is_in(folder)) {
-            notes.extend(lost_images(&draft, &opened));
+            notes.extend(note_of_lost_images(&draft, &opened));
         }
         if metadata {
             super::metadata::check(&draft.root).map_err(|e| opened.error(e))?;

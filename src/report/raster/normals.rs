@@ -3,6 +3,7 @@
 use super::super::display::Display;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Cosine of the angle between faces above which an edge looks like a crease.
 const CREASE: f64 = 0.766;
@@ -31,12 +32,17 @@ pub(super) fn of_corners(display: &Display, turn: impl Fn(DVec3) -> Vec3 + Sync)
         around[next[v as usize] as usize] = corner as u32 / 3;
         next[v as usize] += 1;
     }
+    /// Faces around a vertex, from which on they are held against the mean of all: each against each takes their square.
+    const CROWDED: usize = 64;
+    let faces_of = |v: u32| &around[starts[v as usize] as usize..starts[v as usize + 1] as usize];
+    let is_crowded = |v: &u32| faces_of(*v).len() >= CROWDED;
+    let mean = |v: u32| (v, faces_of(v).iter().map(|&f| areas[f as usize]).sum::<DVec3>().normalize_or_zero());
+    let means: HashMap<u32, DVec3> =
+        (0..display.positions.len() as u32).into_par_iter().filter(is_crowded).map(mean).collect();
     let corner = |face: usize, v: u32| {
-        /// Faces around a vertex, from which on each has its own normal: to hold each against all takes their square.
-        const CROWDED: usize = 64;
-        let faces = &around[starts[v as usize] as usize..starts[v as usize + 1] as usize];
-        if faces.len() >= CROWDED {
-            return units[face];
+        let faces = faces_of(v);
+        if let Some(&mean) = means.get(&v) {
+            return if mean.dot(units[face]) > CREASE { mean } else { units[face] };
         }
         let alike = faces.iter().map(|&f| f as usize).filter(|&f| units[f].dot(units[face]) > CREASE);
         let sum: DVec3 = alike.map(|f| areas[f]).sum();

@@ -46,11 +46,11 @@ class Lease:
             while time.monotonic() < end and self._read() == found:
                 time.sleep(1.0)
             if self._read() not in (found, None):
-                raise BusyError(f"{where}: another run is writing to this folder; wait for it to end")
+                raise BusyError(where, "another run is writing to this folder; wait for it to end")
         self._write()
         time.sleep(_SETTLE)
         if not self._is_ours():
-            raise BusyError(f"{where}: another run has just begun to write to this folder; wait for it to end")
+            raise BusyError(where, "another run has just begun to write to this folder; wait for it to end")
         self._where = where
         self._thread = threading.Thread(target=self._beat, daemon=True)
         self._thread.start()
@@ -62,7 +62,7 @@ class Lease:
             BusyError: When another run took this one for dead, after a long sleep of the machine, say.
         """
         if self._lost:
-            raise BusyError(f"{self._where}: another run has taken this folder over; this one ends")
+            raise BusyError(self._where, "another run has taken this folder over; this one ends")
 
     def close(self) -> None:
         """Gives it back."""

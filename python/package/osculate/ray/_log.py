@@ -84,7 +84,7 @@ class Log:
             self._file = open(path, "a+b")
             if not try_lock(self._file):
                 self._file.close()
-                raise BusyError(f"{folder}: another batch is writing to this folder; wait for it to end")
+                raise BusyError(folder, "another batch is writing to this folder; wait for it to end")
         elif not store.is_private:
             self._lease = Lease(store, folder)
         if not resume:
