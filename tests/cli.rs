@@ -293,7 +293,7 @@ fn bad_input_ends_in_one_clear_sentence_and_nothing_written() {
         (file("cut.glb", &fixture("suzanne.glb")[..9000]), "byte"),
         (file("cut.gltf", &fixture("two_meshes.gltf")[..900]), "line"),
         (file("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1"), "line 3"),
-        (file("range.obj", format!("{triangle}f 1 2 4\n").as_bytes()), "such as vertex 4 in line 4"),
+        (file("range.obj", format!("{triangle}f 1 2 4\n").as_bytes()), "line 4: vertex 4 is out of range"),
         (file("range.ply", ply("0 0 0 1 0 0 0 1 0", "3 0 1 3").as_bytes()), "out of range"),
         (file("cloud.obj", triangle.as_bytes()), "no faces"),
         (file("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "finite"),

@@ -470,8 +470,8 @@ def test_outputs_are_named_as_batch_names_them(tmp_path: Path) -> None:
 def test_what_is_written_beside_an_output_counts_too(tmp_path: Path) -> None:
     source = tree(tmp_path / "in", {"a.stl": "suzanne.stl", "a.edges.stl": "suzanne.stl", "b.stl": "suzanne.stl"})
     store = locate(source)[0]
-    for settings, count in (([], 3), ([("edges", [])], 1)):
-        found = _find.find(store, [str(source)], (store, str(tmp_path / "out")), Batch(settings), False)
+    for batch_of, count in ((Batch([]), 3), (Batch([("edges", [])]), 1)):
+        found = _find.find(store, [str(source)], (store, str(tmp_path / "out")), batch_of, False)
         assert len(found.jobs) == count, [failure.message for failure in found.failures]
 
 

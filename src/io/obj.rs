@@ -90,10 +90,7 @@ pub(super) fn read<'a>(bytes: &[u8], folders: impl Into<Folders<'a>>) -> Result<
             _ => {}
         }
     }
-    let examples = Examples {
-        largest: largest.map(|(_, index, line)| format!("vertex {index} in line {line}")),
-        too_few: too_few.map(|line| format!("in line {line}")),
-    };
+    let examples = Examples { largest: largest.map(|(_, index, line)| (index, line)), too_few };
     let mut soup = polygons.into_grouped(Positions::F64(positions), &groups, &examples)?;
     look_for(&libraries, folders, &mut soup);
     Ok(soup)
@@ -273,11 +270,11 @@ mod tests {
     #[test]
     fn mistakes_are_named_with_their_line() {
         for (face, line) in [
-            ("f 1 2 9", "such as vertex 9 in line 5"),
+            ("f 1 2 9", "line 5: vertex 9 is out of range"),
             ("f 0 1 2", "line 5: vertex number 0"),
-            ("f -9 1 2", "such as vertex -9 in line 5"),
-            ("f 1 9999999999 2", "such as vertex 9999999999 in line 5"),
-            ("f 1 99\nf 1 2 9", "such as vertex 9 in line 6"),
+            ("f -9 1 2", "line 5: vertex -9 is out of range"),
+            ("f 1 9999999999 2", "line 5: vertex 9999999999 is out of range"),
+            ("f 1 99\nf 1 2 9", "line 6: vertex 9 is out of range"),
             ("f a b c", "line 5: \"a\""),
         ] {
             let error = read(format!("{SQUARE}{face}\n").as_bytes(), None).expect_err(face).to_string();

@@ -18,13 +18,13 @@ pub(super) struct Polygons {
     ends: Vec<usize>,
 }
 
-/// Where in a file something is that a message tells of, in words; `None` where only the face's number is known.
+/// Where in a file of lines something is that a message tells of.
 #[derive(Default)]
 pub(super) struct Examples {
-    /// The largest vertex number of a face with three corners or more.
-    pub(super) largest: Option<String>,
-    /// The first face with fewer than three corners.
-    pub(super) too_few: Option<String>,
+    /// The largest vertex number of a face with three corners or more, as it is written, and its line.
+    pub(super) largest: Option<(i64, u64)>,
+    /// The line of the first face with fewer than three corners.
+    pub(super) too_few: Option<u64>,
 }
 
 impl Polygons {
@@ -144,21 +144,26 @@ impl Polygons {
                 rough += 1;
             }
         }
-        let example = examples.largest.as_ref().map(|largest| format!(", such as {largest}"));
-        if triangles.is_empty() && outside.count == 0 {
-            return Err(ParseError::file("there are no faces with three or more corners"));
-        }
-        if triangles.is_empty() {
-            let example = example.unwrap_or_default();
-            return Err(ParseError::file(format!(
-                "all faces name vertices out of range (there are {count} vertices){example}"
-            )));
+        match examples.largest {
+            _ if !triangles.is_empty() => {}
+            _ if outside.count == 0 => {
+                return Err(ParseError::file("there are no faces with three or more corners"));
+            }
+            Some((vertex, line)) => {
+                let what = format!("vertex {vertex} is out of range: the file has {count} vertices");
+                return Err(ParseError::line(line, what));
+            }
+            None => {
+                let what = format!("all faces name vertices out of range: the file has {count} vertices");
+                return Err(ParseError::file(what));
+            }
         }
         let end = triangles.len();
         let mut soup = Soup::new(positions, triangles);
         soup.groups = spans.ended(end);
         let first = |few: &Few| format!(", the first is face {}", few.first);
         if outside.count > 0 {
+            let example = examples.largest.map(|(vertex, line)| format!(", such as vertex {vertex} in line {line}"));
             let example = example.unwrap_or_else(|| first(&outside));
             soup.notes.push(Note::repaired(format!(
                 "{} left out for a vertex number out of range (there are {count} vertices){example}",
@@ -166,7 +171,7 @@ impl Polygons {
             )));
         }
         if too_few.count > 0 {
-            let example = examples.too_few.as_ref().map(|place| format!(", the first {place}"));
+            let example = examples.too_few.map(|line| format!(", the first in line {line}"));
             soup.notes.push(Note::repaired(format!(
                 "{} left out for having fewer than three corners{}",
                 counted(too_few.count, "face"),

@@ -253,7 +253,7 @@ class ConvertSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_....
+    #: vertex quality and properties; NPZ: arrays vertex_...
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
@@ -375,7 +375,7 @@ class WriteSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_....
+    #: vertex quality and properties; NPZ: arrays vertex_...
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
@@ -530,7 +530,7 @@ class BatchSettings(TypedDict, total=False):
     layout: Literal["faces", "indexed"] | None
 
     #: Also write values of vertices: the mean of the faces around, by area. glTF: attributes ..._VERTEX; PLY:
-    #: vertex quality and properties; NPZ: arrays vertex_....
+    #: vertex quality and properties; NPZ: arrays vertex_...
     vertex_values: bool | None
 
     #: Also write the values of a glTF file as a table (EXT_mesh_features, EXT_structural_metadata), for CesiumJS
