@@ -186,10 +186,7 @@ impl Outputs<'_> {
     /// Checks all that can be checked before there is a mesh.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let options = self.options;
-        options.check()?;
-        if !self.format.is_gltf() && (options.metadata || options.compress) {
-            return Err(Error::Usage("--metadata and --compress are for .glb and .gltf; leave them out".into()));
-        }
+        options.check_for(self.format)?;
         self.destination.check_folder()?;
         options.edges.iter().chain(&options.legend).try_for_each(|path| io::check_folder(path))
     }

@@ -72,6 +72,11 @@ impl Colormap {
         Ok(Colormap { name: entry.0 })
     }
 
+    /// The one that shows a quantity where `wanted` is asked for; classes have one of their own.
+    pub(crate) fn of(quantity: Quantity, wanted: Option<Colormap>) -> Self {
+        wanted.filter(|_| quantity != Quantity::Class).unwrap_or(Colormap::default_for(quantity))
+    }
+
     /// Diverging for signed quantities, sequential for others, one colour each for classes.
     pub fn default_for(quantity: Quantity) -> Self {
         match quantity {
@@ -206,10 +211,7 @@ impl ColorScale {
                 (if quantity.is_signed() { -reach } else { 0.0 }, reach)
             }
         };
-        let map = match quantity {
-            Quantity::Class => Colormap::default_for(quantity),
-            _ => map.unwrap_or(Colormap::default_for(quantity)),
-        };
+        let map = Colormap::of(quantity, map);
         let clipped = values.par_iter().filter(|v| {
             let value = f64::from(quantity.value(Face(0), v, 0));
             value < low || value > high

@@ -139,13 +139,26 @@ impl AnnotateOptions {
         (shown.into_iter().enumerate()).try_for_each(|(i, quantity)| color::check(quantity, self.range_of(i)))
     }
 
+    /// The same for an output of a format.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the option.
+    pub fn check_for(&self, format: OutputFormat) -> Result<(), Error> {
+        self.check()?;
+        if !format.is_gltf() && (self.metadata || self.compress) {
+            return Err(Error::Usage("--metadata and --compress are for .glb and .gltf; leave them out".into()));
+        }
+        Ok(())
+    }
+
     /// All files that a run writes: the output with what lies beside it, and what is written besides. A `.gltf` past
     /// two gigabytes has further buffers.
     pub fn files(&self, destination: &Destination, format: OutputFormat) -> Vec<PathBuf> {
         let has_palettes = self.carrier == ColorCarrier::Texture && self.layout == Layout::Faces;
-        let palettes = if has_palettes { self.shown().len() } else { 0 };
+        let shown = if has_palettes { self.shown() } else { Vec::new() };
+        let maps: Vec<Colormap> = shown.into_iter().map(|quantity| Colormap::of(quantity, self.colormap)).collect();
         let besides = self.legend.iter().chain(&self.edges).chain(&self.reserved).cloned();
-        destination.usual_files(format, palettes).into_iter().chain(besides).collect()
+        destination.usual_files(format, &maps).into_iter().chain(besides).collect()
     }
 
     /// The default estimator has the perimeter estimate only where it is asked for: it costs a walk.

@@ -161,12 +161,26 @@ fn resume_does_what_is_missing_older_or_made_otherwise() {
 #[test]
 fn resume_misses_what_lies_beside_an_output() {
     let folder = folder_of(&[("s/a.stl", "suzanne.stl")]);
-    let batch = || osculate(folder.path(), &["batch", "s", "-o", "out", "--format", "gltf", "--resume"]);
+    // Two quantities of one colour map share a palette.
+    let options = ["--format", "gltf", "--variants", "mean,gauss", "--resume"];
+    let batch = || osculate(folder.path(), &[&["batch", "s", "-o", "out"], &options[..]].concat());
     for missing in ["a.bin", "a.png", "a.gltf"] {
         assert_eq!(batch().status.code(), Some(0));
         assert!(String::from_utf8_lossy(&batch().stderr).contains("1 skipped"));
         fs::remove_file(folder.path().join("out").join(missing)).expect("was written");
     }
+}
+
+/// Options that make no sense are told before the log of an earlier run is touched.
+#[test]
+fn a_mistake_costs_no_log() {
+    let folder = folder_of(&[("s/a.stl", "suzanne.stl")]);
+    let batch =
+        |more: &[&str]| osculate(folder.path(), &[&["batch", "s", "-o", "out", "--format", "csv"], more].concat());
+    assert_eq!(batch(&[]).status.code(), Some(0));
+    let log = fs::read(folder.path().join("out").join(LOG)).expect("a log");
+    assert_eq!(batch(&["--metadata"]).status.code(), Some(2));
+    assert_eq!(fs::read(folder.path().join("out").join(LOG)).expect("a log"), log);
 }
 
 #[test]

@@ -93,6 +93,17 @@ fn numbers_go_to_standard_output_where_asked_for() {
         .output()
         .expect("the program starts");
     assert!(serde_json::from_slice::<Value>(&piped.stdout).is_ok(), "{}", stderr(&piped));
+    // A shell's file behind /dev/stdout is written to, not replaced.
+    let kept = folder.path().join("kept.csv");
+    fs::write(&kept, "before\n").expect("writable");
+    let appended = Command::new(env!("CARGO_BIN_EXE_osculate"))
+        .current_dir(folder.path())
+        .args(["annotate", "fixtures/suzanne.stl", "-o", "/dev/stdout", "--format", "csv", "-q"])
+        .stdout(fs::File::options().append(true).open(&kept).expect("a file"))
+        .status()
+        .expect("the program starts");
+    let lines = fs::read_to_string(&kept).expect("text");
+    assert!(appended.success() && lines.starts_with("before\nface,") && lines.lines().count() == 970, "{lines}");
     let run = osculate(folder.path(), &["synth", "sphere", "--faces", "80", "-o", "a.ply", "--exact", "-"]);
     assert!(run.stdout.starts_with(b"face,"), "{run:?}");
     let run = osculate(folder.path(), &["disk", "a.ply", "--face", "0", "-o", "a.glb", "--values", "-"]);
@@ -169,6 +180,14 @@ fn what_others_changed_in_a_gltf_is_told_and_no_reason_to_refuse_it() {
     assert!(!run(&["annotate", "b.gltf", "-o", "b.glb"], 0).contains("--reuse"));
     assert!(run(&["annotate", "b.gltf", "-o", "b.glb", "--reuse"], 1).contains("32-bit floats"));
     assert!(run(&["report", "b.gltf", "-o", "b.html"], 0).contains("estimated again"));
+    // A buffer that is longer than it is declared to be.
+    document["buffers"][0]["byteLength"] = 100.into();
+    document["accessors"][k_max as usize]["componentType"] = 5126.into();
+    fs::write(folder.path().join("short.gltf"), document.to_string()).expect("writable");
+    run(&["annotate", "short.gltf", "-o", "whole.glb", "-q"], 0);
+    let inspected = osculate(folder.path(), &["inspect", "whole.glb", "--format", "json"]);
+    let inspected: Value = serde_json::from_slice(&inspected.stdout).expect("JSON");
+    assert_eq!(inspected["faces"], 968);
     fs::create_dir(folder.path().join("deep")).expect("a folder");
     for file in ["scene.gltf", "scene.bin"] {
         fs::write(folder.path().join(file), fixture(file)).expect("writable");

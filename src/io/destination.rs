@@ -1,6 +1,7 @@
 //! Where outputs go, and what they must not replace.
 
 use super::{OutputFormat, gltf};
+use crate::color::Colormap;
 use crate::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -23,10 +24,10 @@ impl Destination {
         }
     }
 
-    /// The files of an output with so many palettes, but for the further buffers that a large one has.
-    pub(crate) fn usual_files(&self, format: OutputFormat, palettes: usize) -> Vec<PathBuf> {
+    /// The files of an output with palettes of colour maps, but for the further buffers that a large one has.
+    pub(crate) fn usual_files(&self, format: OutputFormat, maps: &[Colormap]) -> Vec<PathBuf> {
         match self {
-            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_of(path, 1, palettes),
+            Destination::File(path) if format == OutputFormat::Gltf => gltf::files_of(path, 1, gltf::palettes(maps)),
             Destination::File(path) => vec![path.clone()],
             Destination::Stdout => Vec::new(),
         }

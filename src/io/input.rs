@@ -182,7 +182,10 @@ fn decode(bytes: Vec<u8>, path: &Path, options: &ReadOptions) -> Result<(Soup, I
         Some(format) => format,
         None => InputFormat::of(path, &content)?,
     };
-    let mut soup = read_format(&content, format, Folders::new(own, &options.allowed_folders))?;
+    let mut soup = match (format, options.format) {
+        (InputFormat::Stl, None) => stl::read(&content, true)?,
+        _ => read_format(&content, format, Folders::new(own, &options.allowed_folders))?,
+    };
     let converted = match content {
         Cow::Owned(text) => Some(text),
         Cow::Borrowed(_) => None,
@@ -223,7 +226,7 @@ pub fn read_bytes(bytes: &[u8], format: InputFormat, folder: Option<&Path>) -> R
 
 fn read_format(bytes: &[u8], format: InputFormat, folders: Folders<'_>) -> Result<Soup, ParseError> {
     match format {
-        InputFormat::Stl => stl::read(bytes),
+        InputFormat::Stl => stl::read(bytes, false),
         InputFormat::Obj => obj::read(bytes, folders),
         InputFormat::Ply => ply::read(bytes),
         InputFormat::Gltf => gltf::read(bytes, folders),

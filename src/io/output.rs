@@ -35,7 +35,14 @@ impl Output {
         // tempfile names its own file in its errors; the user knows only of the output.
         let failed = |e: io::Error| Error::io(path, "create", io::Error::from(e.kind()));
         // A link is followed, so that the file it points to is replaced and not the link.
-        let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let target = match followed(path) {
+            Named::File(target) => target,
+            Named::Descriptor(1) => return Ok(Output::stdout()),
+            Named::Descriptor(_) => {
+                let file = File::options().append(true).open(path).map_err(failed)?;
+                return Ok(Output { path: path.to_path_buf(), sink: Sink::Stream(Box::new(file)) });
+            }
+        };
         let sink = match target.metadata() {
             Ok(metadata) if metadata.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
             Ok(metadata) if !metadata.is_file() => {
@@ -59,7 +66,7 @@ impl Output {
                 drop(paths);
                 if let Ok(existing) = existing {
                     // Whoever may not read what is replaced is not to read what replaces it.
-                    let _ = file.as_file().set_permissions(existing.permissions());
+                    set_mode(file.as_file(), &existing);
                 }
                 // The lock tells other programs that the file is not abandoned. File systems without
                 // locks are left with more than they need, not less.
@@ -70,9 +77,10 @@ impl Output {
         Ok(Output { path: target, sink })
     }
 
-    /// Standard output.
+    /// Standard output. When its reader goes away, what is written from there on is dropped, and no error: there may be
+    /// other outputs.
     pub fn stdout() -> Self {
-        let stream = BufWriter::with_capacity(BUFFER, io::stdout());
+        let stream = BufWriter::with_capacity(BUFFER, Listened { to: io::stdout(), is_gone: false });
         Output { path: "standard output".into(), sink: Sink::Stream(Box::new(stream)) }
     }
 
@@ -129,6 +137,82 @@ impl Output {
     }
 }
 
+/// Gives a file the permissions of what it replaces, but no more than those of reading, writing and executing.
+fn set_mode(file: &File, existing: &std::fs::Metadata) {
+    let mut permissions = existing.permissions();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        permissions.set_mode(permissions.mode() & 0o777);
+    }
+    // A system that refuses leaves the file as any new one.
+    let _ = file.set_permissions(permissions);
+}
+
+/// What a path leads to.
+enum Named {
+    /// A file, a device or a pipe, or a place where there is nothing yet.
+    File(PathBuf),
+    /// An open file of this process, such as `/dev/stdout`. To replace what it leads to would replace what a shell has
+    /// put there.
+    Descriptor(u32),
+}
+
+/// Follows links, also to what is not there yet.
+fn followed(path: &Path) -> Named {
+    /// As many as systems follow.
+    const MOST_LINKS: usize = 40;
+    let mut at = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let Ok(folder) = folder.canonicalize() else { break };
+        let Some(name) = at.file_name() else { break };
+        if folder.starts_with("/proc") && folder.ends_with("fd") {
+            return match name.to_str().and_then(|name| name.parse().ok()) {
+                Some(number) => Named::Descriptor(number),
+                None => Named::File(at),
+            };
+        }
+        let here = folder.join(name);
+        match here.read_link() {
+            Ok(target) => at = folder.join(target),
+            Err(_) => return Named::File(here),
+        }
+    }
+    Named::File(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()))
+}
+
+/// A stream to which someone may cease to listen.
+struct Listened<W> {
+    to: W,
+    is_gone: bool,
+}
+
+impl<W: Write> Listened<W> {
+    fn unless_gone<T>(&mut self, instead: T, act: impl FnOnce(&mut W) -> io::Result<T>) -> io::Result<T> {
+        if self.is_gone {
+            return Ok(instead);
+        }
+        match act(&mut self.to) {
+            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => {
+                self.is_gone = true;
+                Ok(instead)
+            }
+            done => done,
+        }
+    }
+}
+
+impl<W: Write> Write for Listened<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.unless_gone(bytes.len(), |to| to.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.unless_gone((), Write::flush)
+    }
+}
+
 const PREFIX: &str = ".osculate-";
 const SUFFIX: &str = ".part";
 
@@ -160,8 +244,9 @@ pub fn remove_abandoned_outputs(folder: &Path) {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_ours = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+        let is_file = || entry.file_type().is_ok_and(|kind| kind.is_file());
         let is_abandoned = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
-        if is_ours && is_abandoned() {
+        if is_ours && is_file() && is_abandoned() {
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -202,6 +287,44 @@ mod tests {
         output.write_all(b"new").expect("writable");
         output.finish().expect("renamed");
         assert_eq!(std::fs::read(&path).expect("there"), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_also_to_what_is_not_there_yet() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        symlink("real.csv", at("link.csv")).expect("a link");
+        symlink("link.csv", at("other.csv")).expect("a link");
+        let mut output = Output::create(&at("other.csv")).expect("creatable");
+        output.write_all(b"new").expect("writable");
+        output.finish().expect("renamed");
+        assert_eq!(std::fs::read(at("real.csv")).expect("there"), b"new");
+        assert!(at("link.csv").is_symlink() && at("other.csv").is_symlink());
+        symlink("loop.csv", at("loop.csv")).expect("a link");
+        assert!(matches!(followed(&at("loop.csv")), Named::File(_)));
+        // What stands for a descriptor is no file to replace.
+        symlink("/proc/self/fd/1", at("stdout")).expect("a link");
+        assert!(matches!(followed(&at("stdout")), Named::Descriptor(1)));
+        assert!(matches!(followed(Path::new("/dev/fd/7")), Named::Descriptor(7)));
+    }
+
+    #[test]
+    fn who_ceases_to_listen_is_no_error() {
+        struct Gone(usize);
+        impl Write for Gone {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                self.0 += 1;
+                Err(io::ErrorKind::BrokenPipe.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Err(io::ErrorKind::BrokenPipe.into())
+            }
+        }
+        let mut stream = Listened { to: Gone(0), is_gone: false };
+        assert!(stream.write_all(b"one").is_ok() && stream.write_all(b"two").is_ok() && stream.flush().is_ok());
+        assert_eq!(stream.to.0, 1);
     }
 
     #[test]

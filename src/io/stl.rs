@@ -45,19 +45,20 @@ fn declared(bytes: &[u8]) -> Option<u64> {
     Some(u32::from_le_bytes(count).into())
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<Soup, ParseError> {
+/// Reads a file. Where it only may be an STL, `is_judged`, it must look like one.
+pub(super) fn read(bytes: &[u8], is_judged: bool) -> Result<Soup, ParseError> {
     if is_binary(bytes) {
-        read_binary(bytes)
+        read_binary(bytes, is_judged)
     } else if is_ascii(bytes) {
         read_ascii(bytes)
     } else if text::is_text(bytes) {
         Err(ParseError::line(1, "this is text, but not an ASCII STL, which begins with the word solid and has facets"))
     } else {
-        read_binary(bytes)
+        read_binary(bytes, is_judged)
     }
 }
 
-fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
+fn read_binary(bytes: &[u8], is_judged: bool) -> Result<Soup, ParseError> {
     let Some(declared) = declared(bytes) else {
         return Err(ParseError::file(format!(
             "a binary STL begins with 84 bytes, but the file ends after {}",
@@ -81,8 +82,9 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
     }
     let records = &mut &body[..RECORD * count as usize];
     let is_as_declared = declared == held && left_over == 0;
-    if !is_as_declared && !looks_like_triangles(records) {
-        return Err(ParseError::file(foreign::sentence(bytes).unwrap_or_else(|| {
+    let foreign = foreign::sentence(bytes);
+    if is_judged && !is_as_declared && !looks_like_triangles(records, foreign.is_some()) {
+        return Err(ParseError::file(foreign.unwrap_or_else(|| {
             format!(
                 "this is no STL: {} bytes that hold no numbers of triangles, under a header that promises {declared}",
                 bytes.len()
@@ -109,15 +111,25 @@ fn read_binary(bytes: &[u8]) -> Result<Soup, ParseError> {
     Ok(soup)
 }
 
-/// True when most of the first thousand records have coordinates that a mesh may have. Of numbers made of other bytes
-/// three in ten are beyond the size of everything, and one in ten is nearer to zero than what is computed: of nine of
-/// them hardly ever all are usual.
-fn looks_like_triangles(records: &[u8]) -> bool {
+/// True when most of some records have coordinates that a mesh may have: nearly all where the file begins as another kind
+/// does. Of numbers made of other bytes one in four is beyond the size of everything: of nine of them hardly ever none
+/// is. Records of zeros and of NaN tell nothing.
+fn looks_like_triangles(records: &[u8], is_suspect: bool) -> bool {
+    /// Records that are looked at, from all of the file.
+    const LOOKS: usize = 4000;
     let (records, _) = records.as_chunks::<RECORD>();
-    let first = &records[..records.len().min(1000)];
-    let is_usual = |value: &f32| *value == 0.0 || (1e-30..1e15).contains(&value.abs());
-    let usual = first.iter().filter(|record| corners_of(record).as_flattened().iter().all(is_usual)).count();
-    2 * usual >= first.len()
+    let some = records.iter().step_by(records.len().div_ceil(LOOKS).max(1)).map(corners_of);
+    let tells = |corners: &[[f32; 3]; 3]| {
+        let mut values = corners.as_flattened().iter();
+        values.clone().any(|value| value.abs() > 1e-30) && !values.any(|value| value.is_nan())
+    };
+    let (mut usual, mut all) = (0, 0);
+    for corners in some.filter(tells) {
+        all += 1;
+        usual += usize::from(corners.as_flattened().iter().all(|value| value.abs() < 1e20));
+    }
+    let least = if is_suspect { 0.95 } else { 0.5 };
+    usual > 0 && usual as f64 >= least * f64::from(all)
 }
 
 /// Reads a binary file from its first byte on, as far as [`binary_count`] says; `None` where there
@@ -323,7 +335,7 @@ mod tests {
 
     #[test]
     fn a_binary_file_may_begin_with_solid() {
-        let soup = read(&binary(b"solid made by a program", 2, 2)).expect("readable");
+        let soup = read(&binary(b"solid made by a program", 2, 2), true).expect("readable");
         assert_eq!(soup.face_count(), 2);
         assert_eq!(soup.positions.get(3).z, 1.0);
         assert!(soup.notes.is_empty());
@@ -332,16 +344,16 @@ mod tests {
     #[test]
     fn a_wrong_count_is_reported_and_the_triangles_that_are_there_are_used() {
         for (declared, faces) in [(5, 3), (0, 3), (2, 3), (u32::MAX, 3)] {
-            let soup = read(&binary(b"", declared, 3)).expect("readable");
+            let soup = read(&binary(b"", declared, 3), true).expect("readable");
             assert_eq!(soup.face_count(), faces, "{declared}");
             assert!(soup.notes[0].repaired);
         }
         let trailing = [binary(b"", 3, 3), b"left behind".to_vec()].concat();
-        let soup = read(&trailing).expect("readable");
+        let soup = read(&trailing, true).expect("readable");
         assert!(soup.face_count() == 3 && soup.notes[0].message.starts_with("11 bytes after the last of 3 triangles"));
         let mut cut = binary(b"", 3, 3);
         cut.truncate(cut.len() - 1);
-        assert_eq!(read(&cut).expect("readable").face_count(), 2);
+        assert_eq!(read(&cut, true).expect("readable").face_count(), 2);
     }
 
     #[test]
@@ -350,17 +362,25 @@ mod tests {
         let noise = |seed: u64| (1..5000u64).map(move |i| ((i + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as u8);
         for seed in 0..20 {
             let bytes: Vec<u8> = [0xff].into_iter().chain(noise(seed)).collect();
-            let error = read(&bytes).expect_err("noise").to_string();
+            let error = read(&bytes, true).expect_err("noise").to_string();
             assert!(error.contains("this is no STL: 5000 bytes"), "{error}");
         }
+        let told = read(&[[0xff_u8; 1].as_slice(), &[7; 4999]].concat(), false);
+        assert_eq!(told.expect("whoever says so is believed").face_count(), 98);
+        // A black picture, and a mesh among records that tell nothing.
+        let black = [b"RIFF\x00\x00\x00\x00WAVEfmt ".as_slice(), &[0; 5000]].concat();
+        assert!(read(&black, true).is_err());
+        let mut among = binary(b"", 0, 30);
+        among.splice(84..84, [[0; 500], [0xff; 500]].concat());
+        assert_eq!(read(&among, true).expect("readable").face_count(), 50);
         let picture: Vec<u8> = b"\x89PNG\r\n\x1a\n".iter().copied().chain(noise(0)).collect();
-        assert!(read(&picture).expect_err("a picture").to_string().contains("this is a PNG picture"));
+        assert!(read(&picture, true).expect_err("a picture").to_string().contains("this is a PNG picture"));
     }
 
     #[test]
     fn windows_of_any_size_show_the_same() {
         let bytes = binary(b"windows", 7, 7);
-        let whole = read(&bytes).expect("readable");
+        let whole = read(&bytes, true).expect("readable");
         let theirs: Vec<[f32; 3]> = stl_io::create_stl_reader(&mut io::Cursor::new(&bytes))
             .expect("stl_io reads it")
             .flat_map(|triangle| triangle.expect("a triangle").vertices.map(|v| v.0))
@@ -398,7 +418,7 @@ mod tests {
                 FACET.replace("normal 0 0 1", "normal nan nan nan")
             ),
         ] {
-            let soup = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text}: {e}"));
+            let soup = read(text.as_bytes(), true).unwrap_or_else(|e| panic!("{text}: {e}"));
             assert_eq!(soup.face_count(), text.to_lowercase().matches("endfacet").count(), "{text}");
             assert!(!soup.notes.iter().any(|n| n.repaired), "{text}");
             assert_eq!(soup.positions.get(1).x, 1.0);
@@ -407,8 +427,8 @@ mod tests {
 
     #[test]
     fn solids_become_groups() {
-        let soup =
-            read(format!("solid one\n{FACET}{FACET}endsolid\nsolid the other\n{FACET}").as_bytes()).expect("readable");
+        let soup = read(format!("solid one\n{FACET}{FACET}endsolid\nsolid the other\n{FACET}").as_bytes(), true)
+            .expect("readable");
         assert_eq!(
             soup.groups.iter().map(|g| (g.name.as_str(), g.faces.clone())).collect::<Vec<_>>(),
             [("one", 0..2), ("the other", 2..3)]
@@ -417,11 +437,14 @@ mod tests {
 
     #[test]
     fn a_bad_line_is_named() {
-        let error = read(format!("solid x\n{}", FACET.replace("vertex 1 0 0", "vertex 1 O 0")).as_bytes())
+        let error = read(format!("solid x\n{}", FACET.replace("vertex 1 0 0", "vertex 1 O 0")).as_bytes(), true)
             .expect_err("a letter");
         assert!(error.to_string().starts_with("line 5: "), "{error}");
         assert!(
-            read(b"A letter to my aunt, renamed to .stl").expect_err("text").to_string().contains("not an ASCII STL")
+            read(b"A letter to my aunt, renamed to .stl", true)
+                .expect_err("text")
+                .to_string()
+                .contains("not an ASCII STL")
         );
     }
 
@@ -431,7 +454,7 @@ mod tests {
         for end in
             text.len() - FACET.len() + 7..text.find("0 1 0\nendloop\nendfacet\n").map_or(0, |at| at + FACET.len())
         {
-            let soup = read(&text.as_bytes()[..end]).unwrap_or_else(|e| panic!("cut at {end}: {e}"));
+            let soup = read(&text.as_bytes()[..end], true).unwrap_or_else(|e| panic!("cut at {end}: {e}"));
             assert_eq!(soup.face_count(), 1, "cut at {end}");
             assert!(soup.notes.len() <= 1);
         }

@@ -56,7 +56,7 @@ impl Batch {
             settings: String::new(),
         };
         let sample = batch.options_of(Path::new("sample.glb"));
-        sample.check()?;
+        sample.check_for(batch.format)?;
         batch.settings = fingerprint(&format!("{} {:?} {sample:?}", env!("CARGO_PKG_VERSION"), batch.format));
         Ok(batch)
     }

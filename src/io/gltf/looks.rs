@@ -41,6 +41,17 @@ pub(super) fn slots(scales: usize, taken: usize) -> Vec<Slot> {
         .collect()
 }
 
+/// Number of palette images for scales with these maps.
+pub(in crate::io) fn palettes(maps: &[Colormap]) -> usize {
+    let mut images: Vec<(Colormap, Axis)> = Vec::new();
+    for (slot, &map) in slots(maps.len(), 0).iter().zip(maps) {
+        if !images.contains(&(map, slot.axis)) {
+            images.push((map, slot.axis));
+        }
+    }
+    images.len()
+}
+
 /// The looks of one document.
 pub(super) struct Looks<'l> {
     annotation: &'l Annotation<'l>,

@@ -36,6 +36,7 @@ mod write;
 
 pub(super) use layout::{check_glb_length, expected_bytes};
 pub use lines::{LineScene, write_lines};
+pub(super) use looks::palettes;
 pub(super) use read::read;
 pub(super) use values::{are_there, read_values};
 pub(super) use write::{check_original, files_of, most_files, write_embedded, write_glb, write_gltf};

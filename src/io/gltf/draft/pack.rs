@@ -40,6 +40,16 @@ impl<'a> Draft<'a> {
         let old: Vec<Value> = std::mem::take(self.list("buffers"));
         let mut cuts = self.cuts();
         let needed: BTreeSet<usize> = self.old_views().filter_map(|view| index(view.get("buffer")?)).collect();
+        // Readers take what views name, whatever a sloppy writer has declared of their buffer.
+        let mut named: BTreeMap<usize, u64> = BTreeMap::new();
+        for view in self.old_views() {
+            let number = |name: &str| view.get(name).and_then(Value::as_u64).unwrap_or(0);
+            let end = number("byteOffset").saturating_add(number("byteLength"));
+            if let Some(buffer) = view.get("buffer").and_then(index) {
+                let last = named.entry(buffer).or_insert(end);
+                *last = end.max(*last);
+            }
+        }
         for (b, buffer) in old.iter().enumerate() {
             let bytes = match given {
                 Some(given) => given.whole(b)?,
@@ -53,7 +63,7 @@ impl<'a> Draft<'a> {
                 continue;
             };
             let declared = buffer.get("byteLength").and_then(Value::as_u64).unwrap_or(u64::MAX);
-            let end = declared.min(bytes.len() as u64);
+            let end = declared.max(named.get(&b).copied().unwrap_or(0)).min(bytes.len() as u64);
             for range in between(cuts.remove(&b).unwrap_or_default(), end) {
                 moved.push((b, range.clone(), pieces.len()));
                 pieces.push(Piece::Given(&bytes[range.start as usize..range.end as usize]));
