@@ -272,7 +272,7 @@ impl AnnotateOptions {
     }
 }
 
-/// The settings that decide the values.
+/// The settings that decide the values, by their names in files, which are those of the command line too.
 pub(crate) const OF_ESTIMATION: [&str; 7] =
     ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
 

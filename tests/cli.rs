@@ -93,6 +93,11 @@ fn numbers_go_to_standard_output_where_asked_for() {
         .output()
         .expect("the program starts");
     assert!(serde_json::from_slice::<Value>(&piped.stdout).is_ok(), "{}", stderr(&piped));
+    // A link to what is not there yet: what lies beside the document lies beside what the link names.
+    std::os::unix::fs::symlink("deeper/b.gltf", folder.path().join("link.gltf")).expect("a link");
+    fs::create_dir(folder.path().join("deeper")).expect("a folder");
+    osculate(folder.path(), &["annotate", "fixtures/suzanne.stl", "-o", "link.gltf", "-q"]);
+    assert!(["b.gltf", "b.bin", "b.png"].iter().all(|name| folder.path().join("deeper").join(name).is_file()));
     // A shell's file behind /dev/stdout is written to, not replaced.
     let kept = folder.path().join("kept.csv");
     fs::write(&kept, "before\n").expect("writable");

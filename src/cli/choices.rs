@@ -107,9 +107,7 @@ choices!(ColorByArg => Option<Quantity> {
     ShapeIndex => Some(Quantity::ShapeIndex),
     Curvedness => Some(Quantity::Curvedness),
     Class => Some(Quantity::Class),
-    /// The share of the disk or window that the surface fills
     Coverage => Some(Quantity::Coverage),
-    /// How far to trust a face, 0 to 1
     Confidence => Some(Quantity::Confidence),
     None => None,
 });

@@ -105,12 +105,41 @@ pub fn check_outputs(outputs: &[PathBuf], input: &Path, files: &[PathBuf]) -> Re
 
 /// A path by which two names of one file are equal, also for a file that is not there yet.
 pub fn real_path(path: &Path) -> PathBuf {
-    if let Ok(real) = path.canonicalize() {
-        return real;
+    match followed(path) {
+        Named::File(real) => real,
+        Named::Descriptor(_) => path.to_path_buf(),
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match (folder.canonicalize(), path.file_name()) {
-        (Ok(folder), Some(name)) => folder.join(name),
-        _ => path.to_path_buf(),
+}
+
+/// What a path leads to.
+pub(super) enum Named {
+    /// A file, a device or a pipe, or a place where there is nothing yet.
+    File(PathBuf),
+    /// An open file of this process, such as `/dev/stdout`. To replace what it leads to would replace what a shell has
+    /// put there.
+    Descriptor(u32),
+}
+
+/// Follows links, also to what is not there yet.
+pub(super) fn followed(path: &Path) -> Named {
+    /// As many as systems follow.
+    const MOST_LINKS: usize = 40;
+    let mut at = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let Ok(folder) = folder.canonicalize() else { break };
+        let Some(name) = at.file_name() else { break };
+        if folder.starts_with("/proc") && folder.ends_with("fd") {
+            return match name.to_str().and_then(|name| name.parse().ok()) {
+                Some(number) => Named::Descriptor(number),
+                None => Named::File(at),
+            };
+        }
+        let here = folder.join(name);
+        match here.read_link() {
+            Ok(target) => at = folder.join(target),
+            Err(_) => return Named::File(here),
+        }
     }
+    Named::File(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()))
 }

@@ -23,6 +23,7 @@ mod text;
 mod threemf;
 
 pub use destination::{Destination, check_folder, check_outputs, real_path};
+use destination::{Named, followed};
 pub use gltf::{LineScene, write_lines};
 pub(crate) use input::mesh_name;
 pub use input::{InputFormat, ReadOptions, read, read_bytes, read_with};
@@ -162,10 +163,11 @@ fn write_to(
     destination: &Destination,
     progress: &dyn Progress,
 ) -> Result<(), Error> {
-    if let (OutputFormat::Gltf, Destination::File(path)) = (format, destination) {
+    if let (OutputFormat::Gltf, Destination::File(path)) = (format, destination)
+        && let Named::File(path) = followed(path)
+    {
         // A link is followed here, so that buffer and palette come to lie beside the document. A
-        // device has no beside: the document then holds everything.
-        let path = real_path(path);
+        // device or a descriptor has no beside: the document then holds everything.
         if !path.exists() || path.is_file() {
             return gltf::write_gltf(annotation, &path, progress);
         }

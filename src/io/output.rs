@@ -1,5 +1,6 @@
 //! Outputs that appear whole or not at all.
 
+use super::destination::{Named, followed};
 use crate::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -147,39 +148,6 @@ fn set_mode(file: &File, existing: &std::fs::Metadata) {
     }
     // A system that refuses leaves the file as any new one.
     let _ = file.set_permissions(permissions);
-}
-
-/// What a path leads to.
-enum Named {
-    /// A file, a device or a pipe, or a place where there is nothing yet.
-    File(PathBuf),
-    /// An open file of this process, such as `/dev/stdout`. To replace what it leads to would replace what a shell has
-    /// put there.
-    Descriptor(u32),
-}
-
-/// Follows links, also to what is not there yet.
-fn followed(path: &Path) -> Named {
-    /// As many as systems follow.
-    const MOST_LINKS: usize = 40;
-    let mut at = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
-        let folder = at.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let Ok(folder) = folder.canonicalize() else { break };
-        let Some(name) = at.file_name() else { break };
-        if folder.starts_with("/proc") && folder.ends_with("fd") {
-            return match name.to_str().and_then(|name| name.parse().ok()) {
-                Some(number) => Named::Descriptor(number),
-                None => Named::File(at),
-            };
-        }
-        let here = folder.join(name);
-        match here.read_link() {
-            Ok(target) => at = folder.join(target),
-            Err(_) => return Named::File(here),
-        }
-    }
-    Named::File(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()))
 }
 
 /// A stream to which someone may cease to listen.

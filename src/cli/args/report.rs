@@ -1,10 +1,10 @@
 //! `osculate report`.
 
 use super::input::ReadingArgs;
-use super::settings::OF_ESTIMATION;
 use super::{CommonArgs, EstimationArgs, MeshArgs, SpaceArgs};
 use crate::cli::choices::ColorByArg;
 use crate::cli::parse::{range, size, view};
+use crate::options::OF_ESTIMATION;
 use clap::Args;
 use clap::builder::ArgPredicate;
 use osculate::{Colormap, PictureOptions, Range, ReportOptions, ViewFrom};
@@ -28,8 +28,10 @@ pub(in crate::cli) struct ReportArgs {
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) png: Option<PathBuf>,
 
-    /// Estimate the values also where an annotated glTF carries them, as any other option of estimation does, --feature-angle and --weld
-    #[arg(long, help_heading = "Estimation", default_value_ifs = OF_ESTIMATION.map(|id| (id, ArgPredicate::IsPresent, "true")))]
+    /// Estimate the values also where an annotated glTF carries them, as any other option of estimation does,
+    /// --feature-angle and --weld
+    #[arg(long, help_heading = "Estimation",
+          default_value_ifs = OF_ESTIMATION.map(|id| (id, ArgPredicate::IsPresent, "true")))]
     no_reuse: bool,
 
     #[command(flatten)]

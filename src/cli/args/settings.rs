@@ -1,12 +1,9 @@
 //! What annotating one file and annotating many have in common.
 
 use super::{EstimationArgs, LookArgs, MeshArgs, ReadingArgs};
+use crate::options::OF_ESTIMATION;
 use clap::Args;
 use osculate::AnnotateOptions;
-
-/// Options that decide the values: who gives one does not want those of another run.
-pub(super) const OF_ESTIMATION: [&str; 7] =
-    ["estimator", "radius", "radius_factor", "diameters", "class_tolerance", "feature_angle", "weld"];
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct SettingsArgs {
@@ -20,8 +17,7 @@ pub(in crate::cli) struct SettingsArgs {
     pub(in crate::cli) look: LookArgs,
 
     /// Take the values that a glTF input carries from an earlier run instead of estimating them
-    #[arg(long, help_heading = "Estimation",
-          conflicts_with_all = OF_ESTIMATION)]
+    #[arg(long, help_heading = "Estimation", conflicts_with_all = OF_ESTIMATION)]
     reuse: bool,
 }
 

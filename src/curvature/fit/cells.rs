@@ -206,7 +206,7 @@ fn hung_together(sites: &impl Sites) -> Vec<u64> {
 /// Middles of groups, of which none is a neighbour of another, and the group of each site. A site is a middle if its
 /// number is greater than those of all its neighbours that could be one; after many rounds, its lot.
 fn groups(sites: &impl Sites, numbers: &[u64]) -> (Vec<u32>, Vec<u32>) {
-    /// Scans and grids need some ten.
+    /// Numbers in no order take about as many as the logarithm of the sites (Fischer and Noever 2018).
     const ORDERLY_ROUNDS: usize = 64;
     #[derive(Clone, Copy, PartialEq)]
     enum State {
