@@ -273,6 +273,42 @@ fn large_files_keep_the_order_of_faces_whatever_the_threads() {
     }
 }
 
+/// The crate that programs in Rust read glTF with validates all it is given, and finds the same triangles and values.
+#[test]
+fn the_crate_gltf_reads_what_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "character.glb";
+    for (input, extra, is_given) in [
+        ("suzanne.stl", &[][..], false),
+        ("suzanne.stl", &["--layout", "indexed"], false),
+        ("suzanne.stl", &["--color", "vertex", "--vertex-values"], false),
+        (scene, &[], true),
+        (scene, &["--variants", "mean,k_max"], true),
+    ] {
+        let what = format!("{input} {extra:?}");
+        let path = folder.path().join("out.glb");
+        annotate(input, &path, extra);
+        let bytes = fs::read(&path).expect("a GLB");
+        let gltf = gltf::Gltf::from_slice(&bytes).unwrap_or_else(|e| panic!("{what}: {e}"));
+        let mut faces = 0;
+        for primitive in gltf.meshes().flat_map(|mesh| mesh.primitives()) {
+            let reader = primitive.reader(|_| gltf.blob.as_deref());
+            let vertices = reader.read_positions().expect("positions").count();
+            faces += reader.read_indices().map_or(vertices, |indices| indices.into_u32().count()) / 3;
+            let value = primitive.get(&gltf::Semantic::Extras("CURVATURE_MAX".into()));
+            if extra != ["--layout", "indexed"] {
+                let value = value.unwrap_or_else(|| panic!("{what}: no values"));
+                let kinds = (value.data_type(), value.dimensions());
+                assert_eq!(kinds, (gltf::accessor::DataType::F32, gltf::accessor::Dimensions::Scalar), "{what}");
+                let values = gltf::accessor::Iter::<f32>::new(value, |_| gltf.blob.as_deref()).expect("floats");
+                assert_eq!(values.filter(|k| k.is_finite()).count(), vertices, "{what}");
+            }
+        }
+        assert!(is_given || faces == 968, "{what}: {faces} faces");
+        assert!(faces > 0, "{what}");
+    }
+}
+
 /// Vertex colours: sRGB bytes, or the linear light of them.
 #[test]
 fn vertex_colours_are_in_the_light_asked_for() {

@@ -30,6 +30,7 @@ pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error
     let scene = LineScene { layers: &layers, origin: mesh.origin(), space: args.space.space(input.format)?, extras };
     let mut out = Output::create(&args.output)?;
     osculate::write_lines(&scene, &mut out)?;
+    out.settle()?;
     let values = args.values.as_deref().map(open).transpose()?;
     if let Some(mut out) = values {
         out.write_all(diameters(&disk, &options).as_bytes()).map_err(|e| out.error(e))?;

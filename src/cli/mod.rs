@@ -63,7 +63,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let is_batch = matches!(cli.command, Command::Batch(_));
     // On Ctrl-C and the like; without a handler the temporary files would stay.
     let _ = ctrlc::set_handler(move || {
-        osculate::remove_unfinished_outputs();
+        osculate::abandon_outputs_at_exit();
         if is_batch {
             messages.info("interrupted; the same command with --resume goes on from here");
         }

@@ -27,7 +27,7 @@ use destination::{Named, followed};
 pub use gltf::{LineScene, write_lines};
 pub(crate) use input::mesh_name;
 pub use input::{InputFormat, ReadOptions, read, read_bytes, read_with};
-pub use output::{Output, remove_abandoned_outputs, remove_unfinished_outputs};
+pub use output::{Output, abandon_outputs_at_exit, remove_abandoned_outputs};
 pub use plain::write_mesh;
 pub use svg::write_svg;
 
@@ -55,6 +55,7 @@ pub(crate) fn carries_values(soup: &Soup) -> bool {
 /// A file format that annotated meshes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum OutputFormat {
     /// Binary glTF, one file.
     Glb,

@@ -3,12 +3,12 @@
 use super::destination::{Named, followed};
 use crate::error::Error;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, IoSlice, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use tempfile::NamedTempFile;
 
-/// Bytes gathered before a write. The blocks of large outputs are larger and are not gathered, but written
-/// as they are.
+/// Bytes gathered before a write. The blocks of large outputs are not gathered, but written as they are.
 const BUFFER: usize = 64 * 1024;
 
 /// A file being written beside its final place, where only [`Output::finish`] puts it, or a stream that cannot be taken
@@ -21,7 +21,7 @@ pub struct Output {
 
 enum Sink {
     /// Renamed to `path` when done; removed when dropped before.
-    Temporary(BufWriter<tempfile::NamedTempFile>),
+    Temporary(BufWriter<NamedTempFile>),
     /// A device or pipe, or standard output.
     Stream(Box<dyn Write>),
 }
@@ -62,16 +62,15 @@ impl Output {
                 builder.prefix(PREFIX).suffix(SUFFIX);
                 // Made and noted at once, so that an interrupt finds either no file or its name.
                 let mut paths = unfinished();
-                let file = builder.tempfile_in(folder).map_err(failed)?;
+                let file = locked(|| builder.tempfile_in(folder)).map_err(failed)?;
+                // Those of outputs that were dropped are gone.
+                paths.retain(|path| path.exists());
                 paths.push(file.path().to_path_buf());
                 drop(paths);
                 if let Ok(existing) = existing {
                     // Whoever may not read what is replaced is not to read what replaces it.
                     set_mode(file.as_file(), &existing);
                 }
-                // The lock tells other programs that the file is not abandoned. File systems without
-                // locks are left with more than they need, not less.
-                let _ = file.as_file().try_lock();
                 Sink::Temporary(BufWriter::with_capacity(BUFFER, file))
             }
         };
@@ -95,6 +94,24 @@ impl Output {
         Error::io(&self.path, "write", source)
     }
 
+    /// Asks the system for the room of so many bytes, so that a full disk is known of before they are made; writing
+    /// into room that is there already also takes less time. Systems that cannot say are not asked.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where there is too little.
+    pub(super) fn reserve(&self, bytes: u64) -> Result<(), Error> {
+        #[cfg(target_os = "linux")]
+        if let Sink::Temporary(writer) = &self.sink {
+            use rustix::{fs, io::Errno};
+            // The file is no longer than what is written, whatever was asked for.
+            let room = fs::fallocate(writer.get_ref(), fs::FallocateFlags::KEEP_SIZE, 0, bytes);
+            if let Err(error @ (Errno::NOSPC | Errno::DQUOT | Errno::FBIG)) = room {
+                return Err(self.error(error.into()));
+            }
+        }
+        Ok(())
+    }
+
     /// Writes what is still buffered, so that [`Output::finish`] has only to put the file in its place.
     ///
     /// # Errors
@@ -116,7 +133,7 @@ impl Output {
     ///
     /// # Errors
     /// [`Error::Io`]; nothing is in its place then, unless the system refuses a later one only.
-    pub(super) fn finish_all(outputs: Vec<Output>) -> Result<(), Error> {
+    pub(crate) fn finish_all(outputs: Vec<Output>) -> Result<(), Error> {
         let mut written = Vec::new();
         for Output { path, sink } in outputs {
             let failed = |e| Error::io(&path, "write", e);
@@ -135,6 +152,17 @@ impl Output {
             paths.retain(|p| *p != temporary);
         }
         Ok(())
+    }
+}
+
+/// A new temporary file, locked, which tells other programs that it is not abandoned. One that another program took for
+/// such before it was is made again. File systems without locks are left with more than they need, not less.
+fn locked(make: impl Fn() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    loop {
+        let file = make()?;
+        if file.as_file().lock().is_err() || file.path().exists() {
+            return Ok(file);
+        }
     }
 }
 
@@ -195,7 +223,7 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 /// Removes the temporary files of all outputs that are not finished, for a program that is about to
 /// end without unwinding, such as on a signal: whoever would make or finish an output from here on
 /// waits for that end.
-pub fn remove_unfinished_outputs() {
+pub fn abandon_outputs_at_exit() {
     let mut paths = unfinished();
     for path in paths.drain(..) {
         // One that is gone already needs no removing.
@@ -213,8 +241,12 @@ pub fn remove_abandoned_outputs(folder: &Path) {
         let name = name.to_string_lossy();
         let is_ours = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
         let is_file = || entry.file_type().is_ok_and(|kind| kind.is_file());
-        let is_abandoned = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
-        if is_ours && is_file() && is_abandoned() {
+        if !is_ours || !is_file() {
+            continue;
+        }
+        let Ok(file) = File::open(entry.path()) else { continue };
+        if file.try_lock().is_ok() {
+            // Under the lock: who has just made it and waits for the lock sees that it is gone.
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -225,6 +257,18 @@ impl Write for Output {
         match &mut self.sink {
             Sink::Temporary(writer) => writer.write(bytes),
             Sink::Stream(stream) => stream.write(bytes),
+        }
+    }
+
+    fn write_vectored(&mut self, slices: &[IoSlice<'_>]) -> io::Result<usize> {
+        match &mut self.sink {
+            // Neither the temporary file nor what buffers it would hand over more than one slice.
+            Sink::Temporary(writer) if slices.iter().map(|slice| slice.len()).sum::<usize>() >= BUFFER => {
+                writer.flush()?;
+                writer.get_ref().as_file().write_vectored(slices)
+            }
+            Sink::Temporary(writer) => writer.write_vectored(slices),
+            Sink::Stream(stream) => stream.write_vectored(slices),
         }
     }
 

@@ -10,7 +10,7 @@ mod thin;
 
 pub use raster::{PictureOptions, ViewFrom};
 
-use crate::color::{self, ColorScale, Colormap, Range};
+use crate::color::{self, ColorRange, ColorScale, Colormap};
 use crate::curvature::CurvatureOptions;
 use crate::error::Error;
 use crate::io::{Output, ReadOptions};
@@ -41,7 +41,7 @@ pub struct ReportOptions {
     /// The colour map to begin with; `None` for the quantity's own.
     pub colormap: Option<Colormap>,
     /// The values at the ends of the colour map to begin with.
-    pub range: Range,
+    pub range: ColorRange,
     /// The inputs' up axis; `None` for Z in STL and 3MF and Y in everything else.
     pub up: Option<UpAxis>,
     /// The inputs' unit, which numbers are shown with; `None` where it is not known.
@@ -64,7 +64,7 @@ impl Default for ReportOptions {
             reuse: true,
             color_by: Quantity::Mean,
             colormap: None,
-            range: Range::Auto,
+            range: ColorRange::Auto,
             up: None,
             unit: None,
             most_faces: MOST_FACES,
@@ -94,6 +94,7 @@ impl ReportOptions {
 
 /// What a report was made of.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Reported {
     /// The meshes and their defects, in the order of the inputs.
     pub reports: Vec<MeshReport>,
@@ -152,8 +153,7 @@ pub fn report(
     if let Some(out) = &mut picture {
         std::io::Write::write_all(out, &pictured).map_err(|e| out.error(e))?;
     }
-    page.map_or(Ok(()), Output::finish)?;
-    picture.map_or(Ok(()), Output::finish)?;
+    Output::finish_all(page.into_iter().chain(picture).collect())?;
     done.seconds = start.elapsed().as_secs_f64();
     Ok(done)
 }

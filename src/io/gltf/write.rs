@@ -117,6 +117,7 @@ pub(super) fn write_chunks(
     let chunk = if length > 0 { 8 + padded } else { 0 };
     let total = 12 + 8 + json.len() as u64 + chunk;
     check_glb_length(total)?;
+    out.reserve(total)?;
     let write = |out: &mut Output| -> io::Result<()> {
         for word in [0x4654_6c67, 2, total as u32, json.len() as u32, 0x4e4f_534a] {
             out.write_all(&u32::to_le_bytes(word))?;
@@ -173,6 +174,7 @@ pub(in crate::io) fn write_gltf(
         let mut packed = pack(annotation, document, original, LARGEST_BUFFER)?;
         for n in 0..packed.buffers.len() {
             let mut buffer = Output::create(&path.with_file_name(External::Buffer(n).name(path)))?;
+            buffer.reserve(packed.byte_length(n))?;
             packed.write(n, annotation, &mut buffer, progress).map_err(|e| buffer.error(e))?;
             packed.name_buffer(n, uri(External::Buffer(n)));
             finished.push(buffer);
