@@ -7,9 +7,9 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use osculate::synth::{Grid, Surface};
 use osculate::{
-    AnnotateOptions, Annotation, ColorCarrier, ColorScale, CurvatureOptions, Destination, Estimator, InputFormat,
-    Layout, Mesh, MeshOptions, NoProgress, OutputFormat, Positions, Quantity, Radius, Range, Selection, Soup, Space,
-    estimate, read_bytes, write, write_mesh,
+    AnnotateOptions, Annotation, ColorCarrier, ColorRange, ColorScale, CurvatureOptions, Destination, Estimator,
+    InputFormat, Layout, Mesh, MeshOptions, NoProgress, OutputFormat, Positions, Quantity, Radius, Selection, Soup,
+    Space, estimate, read_bytes, write, write_mesh,
 };
 use std::fmt::Write;
 use std::path::Path;
@@ -119,7 +119,7 @@ fn reading_and_writing(criterion: &mut Criterion) {
         selected: None,
         vertex_values: None,
         selection: Selection::default(),
-        colors: vec![ColorScale::new(Quantity::Mean, None, Range::Auto, &values).expect("a scale")],
+        colors: vec![ColorScale::new(Quantity::Mean, None, ColorRange::Auto, &values).expect("a scale")],
         carrier: ColorCarrier::Texture,
         layout,
         force: false,

@@ -7,8 +7,8 @@
 
 use osculate::synth::{Grid, Surface};
 use osculate::{
-    Annotation, ColorCarrier, ColorScale, Destination, FaceClass, FaceCurvature, Layout, Mesh, MeshOptions, NoProgress,
-    OutputFormat, Quantity, Range, Selection, Space,
+    Annotation, ColorCarrier, ColorRange, ColorScale, Destination, FaceClass, FaceCurvature, Layout, Mesh, MeshOptions,
+    NoProgress, OutputFormat, Quantity, Selection, Space,
 };
 use std::time::Instant;
 
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         name: "torus".into(),
         vertex_values: None,
         selection: Selection::default(),
-        colors: vec![ColorScale::new(Quantity::Mean, None, Range::Auto, &values)?],
+        colors: vec![ColorScale::new(Quantity::Mean, None, ColorRange::Auto, &values)?],
         carrier: ColorCarrier::Texture,
         layout: Layout::Faces,
         force: false,

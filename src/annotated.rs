@@ -38,6 +38,7 @@ pub struct Annotated<'m> {
 
 /// What there is to say of what was written.
 #[derive(Clone, Debug, serde::Serialize)]
+#[non_exhaustive]
 pub struct Written {
     /// How many faces were written, where a condition chose them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -162,7 +162,7 @@ fn oklab(color: Rgb) -> [f64; 3] {
 
 /// The values that the ends of the colour scale stand for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Range {
+pub enum ColorRange {
     /// From the data: see [`ColorScale::new`].
     #[default]
     Auto,
@@ -198,15 +198,15 @@ impl ColorScale {
     pub fn new(
         quantity: Quantity,
         map: Option<Colormap>,
-        range: Range,
+        range: ColorRange,
         values: &[FaceCurvature],
     ) -> Result<Self, Error> {
         check(quantity, range)?;
         let (low, high) = match (range, quantity) {
             (_, Quantity::Class) => (0.0, CLASSES.len() as f64),
-            (Range::Fixed(low, high), _) => (low, high),
-            (Range::Auto, Quantity::ShapeIndex) => (-1.0, 1.0),
-            (Range::Auto, _) => {
+            (ColorRange::Fixed(low, high), _) => (low, high),
+            (ColorRange::Auto, Quantity::ShapeIndex) => (-1.0, 1.0),
+            (ColorRange::Auto, _) => {
                 let reach = robust_magnitude(quantity, values);
                 (if quantity.is_signed() { -reach } else { 0.0 }, reach)
             }
@@ -249,16 +249,16 @@ pub(crate) fn class_index(class: FaceClass) -> usize {
 ///
 /// # Errors
 /// [`Error::Usage`] with the reason.
-pub(crate) fn check(quantity: Quantity, range: Range) -> Result<(), Error> {
+pub(crate) fn check(quantity: Quantity, range: ColorRange) -> Result<(), Error> {
     use Quantity::{DirMax, DirMin, Face, Method, Radius};
     if matches!(quantity, Face | DirMax | DirMin | Radius | Method) {
         return Err(Error::Usage(format!("faces cannot be coloured by {}", quantity.token())));
     }
     match range {
-        Range::Fixed(..) if quantity == Quantity::Class => {
+        ColorRange::Fixed(..) if quantity == Quantity::Class => {
             Err(Error::Usage("classes have no range; leave --range out".into()))
         }
-        Range::Fixed(low, high) if !(low < high && low.is_finite() && high.is_finite()) => {
+        ColorRange::Fixed(low, high) if !(low < high && low.is_finite() && high.is_finite()) => {
             Err(Error::Usage(format!("the range {low}:{high} is empty or reversed; give the lower value first")))
         }
         _ => Ok(()),
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn zero_has_the_middle_colour_and_no_estimate_is_grey() {
         let values = [with_k(2.0, 2.0), with_k(-1.0, -1.0), with_k(0.0, 0.0), FaceCurvature::NOT_ESTIMATED];
-        let scale = ColorScale::new(Quantity::Mean, None, Range::Auto, &values).expect("a scale");
+        let scale = ColorScale::new(Quantity::Mean, None, ColorRange::Auto, &values).expect("a scale");
         assert_eq!((scale.low, scale.high), (-2.0, 2.0));
         assert_eq!(values.map(|v| scale.color_index(&v)), [254, 64, 127, 255]);
         let palette = scale.map.palette();
@@ -340,9 +340,11 @@ mod tests {
     #[test]
     fn what_lies_outside_the_range_is_counted() {
         let values = [with_k(2.0, 2.0), with_k(-1.0, -1.0)];
-        let scale = ColorScale::new(Quantity::KMax, None, Range::Fixed(0.0, 1.0), &values).expect("a scale");
+        let scale = ColorScale::new(Quantity::KMax, None, ColorRange::Fixed(0.0, 1.0), &values).expect("a scale");
         assert_eq!(scale.clipped, 2);
-        assert!(ColorScale::new(Quantity::KMax, None, Range::Fixed(1.0, 0.0), &values).is_err_and(|e| e.is_usage()));
+        assert!(
+            ColorScale::new(Quantity::KMax, None, ColorRange::Fixed(1.0, 0.0), &values).is_err_and(|e| e.is_usage())
+        );
     }
 
     #[test]

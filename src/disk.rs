@@ -67,6 +67,7 @@ impl Frame {
 ///
 /// Plane coordinates are (u, z): u along the leg's direction, z along the face's normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Leg {
     /// The leg's end, in plane coordinates.
     pub end: DVec2,

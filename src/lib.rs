@@ -30,7 +30,9 @@ extern crate self as osculate;
 mod annotate;
 mod annotated;
 mod annotation;
+/// The command line, for the program and for bindings; no part of the interface.
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 mod color;
 mod condition;
@@ -70,10 +72,13 @@ pub mod stages {
     pub use crate::mesh::stages::{connect, weld};
 }
 
+/// The vectors of the interface.
+pub use glam;
+
 pub use annotate::annotate;
 pub use annotated::{Annotated, Written};
 pub use annotation::{Annotation, ColorCarrier, Layout};
-pub use color::{ColorScale, Colormap, Range, Rgb};
+pub use color::{ColorRange, ColorScale, Colormap, Rgb};
 pub use condition::Condition;
 pub use curvature::{
     CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius, disk_at, estimate, estimate_owned,
@@ -85,10 +90,12 @@ pub use edge_lines::edge_layers;
 pub use error::{Error, FilePlace, ParseError};
 pub use inspect::{Defect, DefectPlace, EdgeLengths, Inspection, SceneSummary, inspect, inspect_with};
 pub use io::{
-    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, check_folder, check_outputs, read,
-    read_bytes, read_with, real_path, remove_abandoned_outputs, remove_unfinished_outputs, stored_values, write,
-    write_lines, write_mesh, write_svg,
+    Destination, InputFormat, LineScene, Output, OutputFormat, ReadOptions, read, read_bytes, read_with, stored_values,
+    write, write_lines, write_mesh, write_svg,
 };
+/// What programs need that write many files; no part of the interface.
+#[doc(hidden)]
+pub use io::{abandon_outputs_at_exit, check_folder, check_outputs, real_path, remove_abandoned_outputs};
 pub use lines::{Layer, Polyline};
 pub use mesh::{
     Across, Bounds, EdgeCounts, EdgeKind, Face, FaceState, FirstDefects, HalfEdge, Mesh, MeshOptions, MeshReport,
@@ -104,5 +111,5 @@ pub use soup::{Group, MAX_FACES, Node, Note, Original, Positions, PrimitiveFaces
 pub use space::{Space, Unit, UpAxis};
 pub use statistics::{CurvatureSummary, Percentiles, Seconds, Summary};
 pub use stored::StoredValues;
-pub use trace::{Along, End, Trace, TraceOptions, TracePoint, spread_seeds, trace};
+pub use trace::{Along, Trace, TraceEnd, TraceOptions, TracePoint, spread_seeds, trace};
 pub use vertex_values::VertexValues;

@@ -1,7 +1,7 @@
 //! All settings of a run, what of them can be checked before a file is read, and how files tell of them.
 
 use crate::annotation::{ColorCarrier, LARGEST_EXACT_FACE, Layout};
-use crate::color::{self, Colormap, Range};
+use crate::color::{self, ColorRange, Colormap};
 use crate::condition::Condition;
 use crate::curvature::{CurvatureOptions, Estimator, Radius};
 use crate::error::Error;
@@ -36,7 +36,7 @@ pub struct AnnotateOptions {
     pub colormap: Option<Colormap>,
     /// The values at the ends of the colour map of the quantity shown first; other variants have
     /// automatic ones.
-    pub range: Range,
+    pub range: ColorRange,
     /// How a glTF file carries colours.
     pub carrier: ColorCarrier,
     /// How a glTF file attaches values to faces.
@@ -82,7 +82,7 @@ impl Default for AnnotateOptions {
             color_by: Some(Quantity::Mean),
             variants: Vec::new(),
             colormap: None,
-            range: Range::Auto,
+            range: ColorRange::Auto,
             carrier: ColorCarrier::Texture,
             layout: Layout::Faces,
             force: false,
@@ -191,8 +191,8 @@ impl AnnotateOptions {
     }
 
     /// The range of a colour scale: the one asked for is that of the first, whose unit it has.
-    pub(crate) fn range_of(&self, scale: usize) -> Range {
-        if scale == 0 { self.range } else { Range::Auto }
+    pub(crate) fn range_of(&self, scale: usize) -> ColorRange {
+        if scale == 0 { self.range } else { ColorRange::Auto }
     }
 
     /// Refuses more faces than the format can hold.
@@ -252,8 +252,8 @@ impl AnnotateOptions {
             "color_by": self.color_by.map(Quantity::token),
             "colormap": self.colormap.map(Colormap::name),
             "range": match self.range {
-                Range::Auto => json!("auto"),
-                Range::Fixed(low, high) => json!([low, high]),
+                ColorRange::Auto => json!("auto"),
+                ColorRange::Fixed(low, high) => json!([low, high]),
             },
             "color": self.carrier,
             "variants": self.variants,

@@ -29,11 +29,7 @@ impl Place {
     /// # Errors
     /// [`Error::Usage`] for a face number out of range or a point outside the face.
     pub fn in_face(mesh: &Mesh, face: u64, [u, v]: [f64; 2]) -> Result<Self, Error> {
-        let count = mesh.face_count();
-        let face = u32::try_from(face)
-            .ok()
-            .filter(|&f| (f as usize) < count)
-            .ok_or_else(|| Error::Usage(format!("face {face} is out of range: the faces are 0 to {}", count - 1)))?;
+        let face = check_number(mesh, face)?;
         let weights = [1.0 - u - v, u, v];
         if !weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)) {
             return Err(Error::Usage(format!(
@@ -76,7 +72,10 @@ impl Place {
         }
     }
 
-    fn check(&self, mesh: &Mesh) -> Result<(), Error> {
+    /// # Errors
+    /// [`Error::Usage`] where no disk can be laid on the face, or there is no such face.
+    pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
+        check_number(mesh, self.face.0.into())?;
         match mesh.face_state(self.face) {
             FaceState::Sound => Ok(()),
             FaceState::Duplicate => Err(Error::Usage(format!(
@@ -87,6 +86,12 @@ impl Place {
             _ => Err(Error::Usage(format!("face {} has no area, so no disk can be laid on it", self.face.0))),
         }
     }
+}
+
+fn check_number(mesh: &Mesh, face: u64) -> Result<u32, Error> {
+    let last = mesh.face_count() as u32 - 1;
+    let number = u32::try_from(face).ok().filter(|&number| number <= last);
+    number.ok_or_else(|| Error::Usage(format!("face {face} is out of range: the faces are 0 to {last}")))
 }
 
 /// Weights of the point of a triangle nearest to `p`.

@@ -2,6 +2,7 @@
 
 /// The long stages of a run, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stage {
     /// Reading the input, counted in bytes.
     Read,
@@ -13,6 +14,19 @@ pub enum Stage {
     Trace,
     /// Cutting with a plane, counted in faces.
     Cut,
+}
+
+impl Stage {
+    /// One word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Read => "read",
+            Stage::Estimate => "estimate",
+            Stage::Write => "write",
+            Stage::Trace => "trace",
+            Stage::Cut => "cut",
+        }
+    }
 }
 
 /// Receives progress. Calls may come from any thread, one stage at a time.

@@ -7,6 +7,7 @@ use crate::mesh::Face;
 /// A value that every face has. In the order of CSV columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Quantity {
     /// The face's number, from 0, in the order of the input.
     Face,

@@ -11,6 +11,7 @@ use glam::DVec3;
 
 /// Why a walk does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stop {
     /// It has reached the length asked for.
     Length,

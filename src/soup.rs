@@ -183,7 +183,7 @@ pub struct Soup {
 impl Soup {
     /// A soup of one body, without groups or notes.
     ///
-    /// Panics when an index is out of range or there are 2^32 / 3 faces or more.
+    /// Panics when an index is out of range or there are more than [`MAX_FACES`] faces.
     pub fn new(positions: Positions, triangles: Vec<[u32; 3]>) -> Self {
         // The largest of all is found faster than the first that is too large.
         let largest = triangles.as_flattened().iter().fold(0, |largest, &i| largest.max(i));
@@ -207,8 +207,9 @@ impl Soup {
     }
 }
 
-/// The largest number of faces a mesh may have: half-edges are numbered in 32 bits.
-pub const MAX_FACES: usize = (u32::MAX / 3) as usize - 1;
+/// The largest number of faces a mesh may have: half-edges, and what lists both ways along them, are numbered in 32 bits,
+/// and vertices in the signed ones of PLY.
+pub const MAX_FACES: usize = (i32::MAX / 3) as usize;
 
 fn face_count(len: usize) -> u32 {
     assert!(len <= MAX_FACES, "a mesh may have at most {MAX_FACES} faces");

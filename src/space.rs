@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 /// The unit that the input's coordinates are in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[non_exhaustive]
 pub enum Unit {
     /// Millimetres.
     #[serde(rename = "mm")]

@@ -59,6 +59,7 @@ pub struct Percentiles {
 
 /// The spread of the values over the faces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CurvatureSummary {
     /// Number of faces with an estimate.
     pub estimated: usize,
@@ -91,6 +92,7 @@ impl CurvatureSummary {
 
 /// Everything about one run; serialises to the object that `--stats` writes.
 #[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
 pub struct Summary {
     /// Version of this object's layout.
     pub schema: u32,

@@ -24,12 +24,16 @@ impl StoredValues {
     /// `radius` or `gauss_perimeter`, they are NaN.
     ///
     /// # Errors
-    /// [`Error::Usage`] where `k_max`, `k_min`, `class` or `dir_max` is missing.
+    /// [`Error::Usage`] where `k_max`, `k_min`, `class` or `dir_max` is missing, or a column is not one value per face.
     pub fn curvature(&self, mesh: &Mesh) -> Result<Vec<FaceCurvature>, Error> {
         if let Some(missing) = NEEDED.iter().find(|name| !self.columns.contains_key(**name)) {
             let what = format!(
                 "the file does not have {missing} of every face, so its values cannot be used again; leave --reuse out"
             );
+            return Err(Error::Usage(what));
+        }
+        if let Some((name, values)) = self.columns.iter().find(|(_, values)| values.len() != mesh.face_count()) {
+            let what = format!("{} values of {name} for {} faces", values.len(), mesh.face_count());
             return Err(Error::Usage(what));
         }
         let column = |name: &str| self.columns.get(name).map(Vec::as_slice);

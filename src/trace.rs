@@ -41,7 +41,8 @@ impl Default for TraceOptions {
 /// Why a trace ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum End {
+#[non_exhaustive]
+pub enum TraceEnd {
     /// All steps were taken.
     Steps,
     /// A boundary edge was met.
@@ -56,22 +57,23 @@ pub enum End {
     Stuck,
 }
 
-impl End {
+impl TraceEnd {
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {
-            End::Steps => "steps",
-            End::Boundary => "boundary",
-            End::Feature => "feature",
-            End::NonManifold => "non_manifold",
-            End::Umbilic => "umbilic",
-            End::Stuck => "stuck",
+            TraceEnd::Steps => "steps",
+            TraceEnd::Boundary => "boundary",
+            TraceEnd::Feature => "feature",
+            TraceEnd::NonManifold => "non_manifold",
+            TraceEnd::Umbilic => "umbilic",
+            TraceEnd::Stuck => "stuck",
         }
     }
 }
 
 /// A centre on a trace.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TracePoint {
     /// Where it is.
     pub place: Place,
@@ -85,21 +87,22 @@ pub struct TracePoint {
 
 /// A path of centres along a principal direction.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Trace {
     /// The centres in their order; for a trace both ways, from its backward end to its forward end.
     pub points: Vec<TracePoint>,
     /// The path over the surface through all centres.
     pub path: Polyline,
     /// Why it ended, forward.
-    pub end: End,
+    pub end: TraceEnd,
     /// Why it ended backward, for a trace both ways.
-    pub backward_end: Option<End>,
+    pub backward_end: Option<TraceEnd>,
 }
 
 /// Traces from many seeds, in their order.
 ///
 /// # Errors
-/// [`Error::Usage`] for options out of range.
+/// [`Error::Usage`] for options out of range, or a seed on a face that is not there or has no area.
 pub fn trace(
     mesh: &Mesh,
     seeds: &[Place],
@@ -111,6 +114,7 @@ pub fn trace(
     if !(1..=1_000_000).contains(&options.steps) {
         return Err(Error::Usage(format!("the number of steps must be 1 to 1000000, not {}", options.steps)));
     }
+    seeds.iter().try_for_each(|seed| seed.check(mesh))?;
     progress.begin(Stage::Trace, seeds.len() as u64);
     let walker = Walker { mesh, curvature, options, fixed_radius: curvature.fixed_radius(mesh), progress };
     let trace = |disk: &mut Disk, &seed: &Place| {
@@ -135,7 +139,7 @@ struct Walker<'m> {
 struct Way {
     points: Vec<TracePoint>,
     path: Vec<DVec3>,
-    end: End,
+    end: TraceEnd,
 }
 
 impl Walker<'_> {
@@ -158,13 +162,13 @@ impl Walker<'_> {
 
     /// Steps from a seed. `heading` chooses between a direction and its opposite.
     fn go(&self, seed: Place, mut heading: Option<DVec3>, disk: &mut Disk) -> Way {
-        let mut way = Way { points: Vec::new(), path: Vec::new(), end: End::Steps };
+        let mut way = Way { points: Vec::new(), path: Vec::new(), end: TraceEnd::Steps };
         let mut place = seed;
         for step in 0..=self.options.steps {
             // A trace may be long; this is where it may be cancelled.
             self.progress.advance(0);
             let Some(frame) = Frame::at(self.mesh, place) else {
-                way.end = End::Stuck;
+                way.end = TraceEnd::Stuck;
                 return way;
             };
             let value = curvature_at(self.mesh, place.face, &frame, self.curvature, self.fixed_radius, disk);
@@ -185,12 +189,12 @@ impl Walker<'_> {
                 return way;
             }
             if !has_principal_direction(&value) {
-                way.end = End::Umbilic;
+                way.end = TraceEnd::Umbilic;
                 return way;
             }
             // Exactly in the face's plane, which a 32-bit direction is only nearly.
             let Some(direction) = (direction - direction.dot(frame.normal) * frame.normal).try_normalize() else {
-                way.end = End::Stuck;
+                way.end = TraceEnd::Stuck;
                 return way;
             };
             let path = &mut way.path;
@@ -200,12 +204,12 @@ impl Walker<'_> {
             match leg.stop {
                 // A radius over which the surface turns by a right angle makes for a shorter step.
                 Stop::Length | Stop::Turned => {}
-                Stop::Boundary => way.end = End::Boundary,
-                Stop::Feature => way.end = End::Feature,
-                Stop::NonManifold => way.end = End::NonManifold,
-                Stop::Closed | Stop::Missed => way.end = End::Stuck,
+                Stop::Boundary => way.end = TraceEnd::Boundary,
+                Stop::Feature => way.end = TraceEnd::Feature,
+                Stop::NonManifold => way.end = TraceEnd::NonManifold,
+                Stop::Closed | Stop::Missed => way.end = TraceEnd::Stuck,
             }
-            if way.end != End::Steps || leg.length == 0.0 {
+            if way.end != TraceEnd::Steps || leg.length == 0.0 {
                 return way;
             }
             place = place_of(self.mesh, leg.face, frame.lift(direction, leg.end));
@@ -298,7 +302,7 @@ mod tests {
                 let options = TraceOptions { steps: 24, ..TraceOptions::default() };
                 let traces = trace(&mesh, &[seed], &CurvatureOptions::default(), &options, &NoProgress).expect("valid");
                 let length = traces[0].path.length();
-                assert_eq!((traces[0].points.len(), traces[0].end), (25, End::Steps));
+                assert_eq!((traces[0].points.len(), traces[0].end), (25, TraceEnd::Steps));
                 assert!(length > 2.0 * std::f64::consts::PI, "a full turn: {length}");
                 let off = off_meridian(&traces[0]);
                 assert!(off < 1.0, "face {face} {weights:?}: {off} degrees");
@@ -317,9 +321,9 @@ mod tests {
             trace(mesh, &[seed], &CurvatureOptions::default(), &options, &NoProgress).expect("valid").remove(0)
         };
         let sphere = run(&build(Surface::Sphere { radius: 1.0 }), Along::Max);
-        assert_eq!((sphere.end, sphere.points.len()), (End::Umbilic, 1));
+        assert_eq!((sphere.end, sphere.points.len()), (TraceEnd::Umbilic, 1));
         let cylinder = run(&build(Surface::Cylinder { radius: 1.0, height: 4.0 }), Along::Min);
-        assert_eq!((cylinder.end, cylinder.backward_end), (End::Boundary, Some(End::Boundary)));
+        assert_eq!((cylinder.end, cylinder.backward_end), (TraceEnd::Boundary, Some(TraceEnd::Boundary)));
         assert!((cylinder.path.length() - 4.0).abs() < 0.05, "{}", cylinder.path.length());
     }
 

@@ -5,7 +5,7 @@ use crate::work;
 use glam::DVec3;
 use numpy::IntoPyArray;
 use osculate::cli::settings::Walk;
-use osculate::{End, FaceCurvature, Frame, Mesh, Place, Plane, Polyline, Trace};
+use osculate::{FaceCurvature, Frame, Mesh, Place, Plane, Polyline, Trace, TraceEnd};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -93,7 +93,7 @@ fn trace_of<'py>(py: Python<'py>, mesh: &Mesh, trace: &Trace) -> PyResult<Bound<
     dict.set_item("radius", number(|value| value.radius))?;
     dict.set_item("path", points(py, &trace.path.points, mesh.origin())?)?;
     dict.set_item("end", trace.end.name())?;
-    dict.set_item("backward_end", trace.backward_end.map(End::name))?;
+    dict.set_item("backward_end", trace.backward_end.map(TraceEnd::name))?;
     Ok(dict)
 }
 

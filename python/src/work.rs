@@ -150,7 +150,7 @@ impl Told {
             }
             if self.done != Some(reached.done) {
                 self.done = Some(reached.done);
-                callback.call1(py, (name(reached.stage), reached.done, reached.total))?;
+                callback.call1(py, (reached.stage.name(), reached.done, reached.total))?;
             }
             if reached.over {
                 self.stages += 1;
@@ -158,15 +158,5 @@ impl Told {
             }
         }
         Ok(())
-    }
-}
-
-fn name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Read => "read",
-        Stage::Estimate => "estimate",
-        Stage::Write => "write",
-        Stage::Trace => "trace",
-        Stage::Cut => "cut",
     }
 }

@@ -3,7 +3,7 @@
 use super::choices::ColorByArg;
 use clap::ValueEnum;
 use glam::DVec3;
-use osculate::{Quantity, Radius, Range, ViewFrom};
+use osculate::{ColorRange, Quantity, Radius, ViewFrom};
 
 pub(super) fn radius(text: &str) -> Result<Radius, String> {
     match text {
@@ -22,13 +22,13 @@ pub(super) fn radius_factor(text: &str) -> Result<Radius, String> {
     }
 }
 
-pub(super) fn range(text: &str) -> Result<Range, String> {
+pub(super) fn range(text: &str) -> Result<ColorRange, String> {
     if text == "auto" {
-        return Ok(Range::Auto);
+        return Ok(ColorRange::Auto);
     }
     let (low, high) = text.split_once(':').ok_or("give LOW:HIGH, such as -0.5:0.5, or auto")?;
     let number = |s: &str| s.parse().map_err(|_| format!("\"{s}\" is no number"));
-    Ok(Range::Fixed(number(low)?, number(high)?))
+    Ok(ColorRange::Fixed(number(low)?, number(high)?))
 }
 
 /// A quantity that colours can show.

@@ -26,7 +26,7 @@ pub(super) fn run(args: &SectionArgs, messages: &Messages) -> Result<Outcome, Er
 
     let mut out = Output::create(&args.output)?;
     if extension == "svg" {
-        osculate::write_svg(&lines, &plane, &mut out)?;
+        osculate::write_svg(&lines, &plane, mesh.origin(), &mut out)?;
     } else {
         let extras = json!({ "osculate": {
             "plane": args.plane.plane, "lengths": lengths, "closed": lines.iter().map(|l| l.closed).collect::<Vec<_>>(),

@@ -5,7 +5,7 @@ use super::args::TraceArgs;
 use super::messages::Messages;
 use super::place::{extension, read_mesh};
 use super::progress::Bars;
-use osculate::{Along, End, Error, Layer, LineScene, Mesh, Output, Trace};
+use osculate::{Along, Error, Layer, LineScene, Mesh, Output, Trace, TraceEnd};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -51,14 +51,14 @@ fn tell(traces: &[Trace]) -> String {
     format!("{} traces, {points} centres; ended: {}", traces.len(), ends.join(", "))
 }
 
-fn reason(end: End) -> &'static str {
+fn reason(end: TraceEnd) -> &'static str {
     match end {
-        End::Steps => "after all steps",
-        End::Boundary => "at a boundary",
-        End::Feature => "at a feature",
-        End::NonManifold => "at a non-manifold edge",
-        End::Umbilic => "where no direction is principal",
-        End::Stuck => "where no step was possible",
+        TraceEnd::Steps => "after all steps",
+        TraceEnd::Boundary => "at a boundary",
+        TraceEnd::Feature => "at a feature",
+        TraceEnd::NonManifold => "at a non-manifold edge",
+        TraceEnd::Umbilic => "where no direction is principal",
+        TraceEnd::Stuck => "where no step was possible",
     }
 }
 

@@ -317,14 +317,16 @@ fn value_from(
         method: Method::Sections,
         class: FaceClass::of(k_max, k_min, radius, options.class_tolerance),
     }
+    .within_32_bits()
 }
 
 /// The disk around a place of the surface, its frame and the curvature read off it.
 ///
 /// # Errors
-/// [`Error::Usage`] for options out of range or a face without area.
+/// [`Error::Usage`] for options out of range, or a face that is not there or has no area.
 pub fn disk_at(mesh: &Mesh, place: Place, options: &CurvatureOptions) -> Result<(Disk, Frame, FaceCurvature), Error> {
     options.check_for(mesh)?;
+    place.check(mesh)?;
     let frame = Frame::at(mesh, place)
         .ok_or_else(|| Error::Usage(format!("face {} has no area, so no disk can be laid on it", place.face.0)))?;
     let mut disk = Disk::new();

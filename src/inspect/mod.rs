@@ -50,6 +50,7 @@ const MOST_PLACED: usize = 1 << 24;
 
 /// What [`inspect`] finds. Serialises to the object that `inspect --format json` prints.
 #[derive(Clone, Debug, Serialize)]
+#[non_exhaustive]
 pub struct Inspection {
     /// The file.
     pub input: String,

@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// A mesh file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum InputFormat {
     /// STL, binary or ASCII.
     Stl,

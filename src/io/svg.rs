@@ -10,9 +10,15 @@ use std::fmt::Write;
 /// Writes polylines that lie in a plane, seen against its normal. One SVG unit is one unit of the
 /// mesh; y points up in the picture. Up is the axis +Z, or +Y where the plane is horizontal.
 ///
+/// Points are relative to `origin`, that of the mesh, and stay so, since viewers hold coordinates in 32 bits: where it
+/// is not 0, the picture's description tells it.
+///
 /// # Errors
-/// [`Error::Io`] when the system refuses.
-pub fn write_svg(lines: &[Polyline], plane: &Plane, out: &mut Output) -> Result<(), Error> {
+/// [`Error::Usage`] where there is nothing to draw; [`Error::Io`] when the system refuses.
+pub fn write_svg(lines: &[Polyline], plane: &Plane, origin: DVec3, out: &mut Output) -> Result<(), Error> {
+    if lines.iter().all(|line| line.points.is_empty()) {
+        return Err(Error::Usage("there are no lines to draw".into()));
+    }
     let [across, up] = picture_axes(plane.normal);
     let flat = |p: DVec3| DVec2::new(p.dot(across), -p.dot(up));
     let points = || lines.iter().flat_map(|line| &line.points).map(|&p| flat(p));
@@ -31,6 +37,10 @@ pub fn write_svg(lines: &[Polyline], plane: &Plane, out: &mut Output) -> Result<
         extent.y,
         0.003 * size
     );
+    if origin != DVec3::ZERO {
+        let [x, y, z] = origin.to_array();
+        let _ = writeln!(svg, "<desc>relative to the point {x},{y},{z} of the input</desc>");
+    }
     for line in lines {
         let element = if line.closed { "polygon" } else { "polyline" };
         let list: Vec<String> = line.points.iter().map(|&p| flat(p)).map(|p| format!("{},{}", p.x, p.y)).collect();

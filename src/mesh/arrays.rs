@@ -64,7 +64,8 @@ impl Mesh {
     }
 }
 
-fn check(triangles: &[[u32; 3]], vertices: usize) -> Result<(), Error> {
+/// Refuses faces that are too many, or that name a vertex which is not there.
+pub(super) fn check(triangles: &[[u32; 3]], vertices: usize) -> Result<(), Error> {
     if triangles.is_empty() {
         return Err(Error::EmptyMesh("there are no faces".into()));
     }
@@ -118,6 +119,26 @@ mod tests {
         let edges = |same| build(PositionsRef::F64(&apart), &own, same).expect("a mesh").report().edges;
         assert_eq!(edges(SameVertex::Position).boundary, 0);
         assert_eq!(edges(SameVertex::Number).boundary, apart.len());
+    }
+
+    #[test]
+    fn a_soup_put_together_by_hand_is_checked() {
+        let (points, mut faces) = arrays();
+        let count = faces.len() as u32;
+        let sound = Soup::new(Positions::F64(points), faces.clone());
+        let soup = |bodies: &[std::ops::Range<u32>], faces: &[[u32; 3]]| {
+            let bodies = bodies.iter().map(|faces| Group { name: String::new(), faces: faces.clone() }).collect();
+            let soup = Soup { bodies, triangles: faces.to_vec(), ..sound.clone() };
+            Mesh::from_soup(&soup, &MeshOptions::default())
+        };
+        assert!(soup(&[0..9, 9..9, 9..count], &faces).is_ok());
+        for bodies in [&[0..9][..], &[9..count], &[0..9, 10..count], &[0..9, 8..count], &[0..count + 1], &[]] {
+            let error = soup(bodies, &faces).expect_err("wrong bodies").to_string();
+            assert_eq!(error, format!("the bodies must follow one another over all {count} faces"), "{bodies:?}");
+        }
+        faces[3][2] = u32::MAX;
+        let error = soup(std::slice::from_ref(&(0..count)), &faces).expect_err("out of range").to_string();
+        assert!(error.starts_with("face 3 names vertex 4294967295"), "{error}");
     }
 
     #[test]

@@ -85,8 +85,9 @@ impl Mesh {
     /// Welds, connects and classifies.
     ///
     /// # Errors
-    /// [`Error::Usage`] for options out of range, [`Error::EmptyMesh`] when there are no faces or
-    /// none of them has both an area and finite coordinates.
+    /// [`Error::Usage`] for options out of range, a face that names a vertex which is not there or bodies that do not
+    /// follow one another over all faces, [`Error::TooLarge`] for more than [`MAX_FACES`](crate::MAX_FACES),
+    /// [`Error::EmptyMesh`] when there are no faces or none of them has both an area and finite coordinates.
     pub fn from_soup(soup: &Soup, options: &MeshOptions) -> Result<Mesh, Error> {
         let welded = Self::weld(soup.triangles.clone(), &soup.positions, &soup.bodies, options)?;
         Self::from_welded(welded, soup.bodies.clone(), soup.scene.clone(), options)
@@ -111,9 +112,8 @@ impl Mesh {
         options: &MeshOptions,
     ) -> Result<Welded, Error> {
         options.check()?;
-        if triangles.is_empty() {
-            return Err(Error::EmptyMesh("there are no faces".into()));
-        }
+        arrays::check(&triangles, positions.len())?;
+        check_bodies(bodies, triangles.len())?;
         let welded = weld::weld_exact(weld::Faces { triangles, bodies }, positions);
         Ok(Self::weld_further(welded, bodies, options))
     }
@@ -405,4 +405,12 @@ fn state_of(face: [u32; 3], positions: &[DVec3]) -> FaceState {
     let size = a.abs().max(b.abs()).max(c.abs()).max_element();
     let rounding = 4.0 * f64::EPSILON * (u.length() * v.length() + size * u.length().max(v.length()));
     if u.cross(v).length() > rounding { FaceState::Sound } else { FaceState::NoArea }
+}
+/// Refuses bodies that leave faces out or share some.
+fn check_bodies(bodies: &[Group], faces: usize) -> Result<(), Error> {
+    let follow = |end, body: &Group| (body.faces.start == end && body.faces.end >= end).then_some(body.faces.end);
+    if bodies.iter().try_fold(0, follow).is_some_and(|end| end as usize == faces) {
+        return Ok(());
+    }
+    Err(Error::Usage(format!("the bodies must follow one another over all {faces} faces")))
 }

@@ -73,6 +73,7 @@ pub enum FaceState {
 
 /// Facts about a mesh and its defects. Serialises to the object that `inspect` and `--stats` print.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct MeshReport {
     /// Triangles, all of them, sound or not.
     pub faces: usize,

@@ -4,7 +4,7 @@ use super::ReportOptions;
 use super::display::Display;
 use super::pack::Packed;
 use super::subject::Subject;
-use crate::color::{Colormap, Range, class_index};
+use crate::color::{ColorRange, Colormap, class_index};
 use crate::curvature::FaceClass;
 use crate::mesh::Face;
 use crate::quantity::Quantity;
@@ -54,7 +54,7 @@ pub(super) fn shared(options: &ReportOptions) -> Value {
         "start": {
             "quantity": options.color_by.token(),
             "map": options.colormap.map(Colormap::name),
-            "range": match options.range { Range::Auto => Value::Null, Range::Fixed(low, high) => json!([low, high]) },
+            "range": match options.range { ColorRange::Auto => Value::Null, ColorRange::Fixed(low, high) => json!([low, high]) },
         },
     })
 }

@@ -36,14 +36,17 @@ pub(crate) fn percentile(errors: impl Iterator<Item = f64>, share: f64) -> f64 {
 
 /// All of a face's values as bits, so that a missing value equals a missing value.
 pub(crate) fn bits(of: &FaceCurvature) -> Vec<u32> {
-    let scalars = [of.k_max, of.k_min, of.gauss_perimeter, of.radius, of.coverage, f32::from(of.class.code())];
-    scalars.into_iter().chain(of.dir_max.to_array()).chain(of.dir_min.to_array()).map(f32::to_bits).collect()
+    let scalars = [of.k_max, of.k_min, of.gauss_perimeter, of.radius, of.coverage, of.confidence];
+    let numbers = scalars.into_iter().chain(of.dir_max.to_array()).chain(of.dir_min.to_array());
+    numbers.map(f32::to_bits).chain([of.class.code() as u32, of.method as u32]).collect()
 }
 
-/// The number of faces whose values differ in any bit.
+/// The number of faces whose values differ in any bit, of as many on both sides.
 pub(crate) fn differing<'v>(
     a: impl IntoIterator<Item = &'v FaceCurvature>,
     b: impl IntoIterator<Item = &'v FaceCurvature>,
 ) -> usize {
+    let (a, b): (Vec<_>, Vec<_>) = (a.into_iter().collect(), b.into_iter().collect());
+    assert!(!a.is_empty() && a.len() == b.len(), "{} faces beside {}", a.len(), b.len());
     a.into_iter().zip(b).filter(|(a, b)| bits(a) != bits(b)).count()
 }

@@ -3,7 +3,7 @@
 use crate::cli::choices::ColorByArg;
 use crate::cli::parse::range;
 use clap::Args;
-use osculate::{Colormap, Error, Range};
+use osculate::{ColorRange, Colormap, Error};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
@@ -19,7 +19,7 @@ pub(in crate::cli) struct ColorsArgs {
     /// Values of the first and last colour, in the quantity's unit in the input; auto takes the 95th
     /// percentile of the magnitudes. Of several variants it is the first's
     #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true)]
-    pub(in crate::cli) range: Range,
+    pub(in crate::cli) range: ColorRange,
 }
 
 impl ColorsArgs {

@@ -128,7 +128,7 @@ impl Command {
 mod tests {
     use super::*;
     use clap::CommandFactory;
-    use osculate::{AnnotateOptions, Range};
+    use osculate::{AnnotateOptions, ColorRange};
 
     #[test]
     fn the_definitions_are_sound() {
@@ -148,6 +148,6 @@ mod tests {
         let cli =
             Cli::try_parse_from(["osculate", "annotate", "a.stl", "-o", "-", "--format", "csv", "--range", "-5:5"]);
         let Ok(Cli { command: Command::Annotate(args) }) = cli else { panic!("{cli:?}") };
-        assert_eq!(args.settings.look.colors.range, Range::Fixed(-5.0, 5.0));
+        assert_eq!(args.settings.look.colors.range, ColorRange::Fixed(-5.0, 5.0));
     }
 }

@@ -7,7 +7,7 @@ use crate::cli::parse::{range, size, view};
 use crate::options::OF_ESTIMATION;
 use clap::Args;
 use clap::builder::ArgPredicate;
-use osculate::{Colormap, PictureOptions, Range, ReportOptions, ViewFrom};
+use osculate::{ColorRange, Colormap, PictureOptions, ReportOptions, ViewFrom};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -56,7 +56,7 @@ pub(in crate::cli) struct ReportArgs {
     /// the magnitudes
     #[arg(long, value_name = "LOW:HIGH|auto", value_parser = range, default_value = "auto", allow_hyphen_values = true,
           help_heading = "Look")]
-    range: Range,
+    range: ColorRange,
 
     /// Faces that a page draws of each mesh, 1000 to 16000000; one with more is thinned for display, and the page
     /// says so

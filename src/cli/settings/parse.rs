@@ -115,7 +115,7 @@ mod tests {
         assert!(estimate.curvature.perimeter);
         let given = settings(&[("range", &["-1", "2"]), ("variants", &["mean", "class"]), ("vertex_values", &[])]);
         let convert = Convert::parse(Path::new("a.stl"), Path::new("b.glb"), &given).expect("valid");
-        assert_eq!(convert.options.range, osculate::Range::Fixed(-1.0, 2.0));
+        assert_eq!(convert.options.range, osculate::ColorRange::Fixed(-1.0, 2.0));
         assert!(convert.options.variants.len() == 2 && convert.options.vertex_values);
     }
 

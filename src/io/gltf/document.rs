@@ -24,7 +24,17 @@ use serde_json::{Value, json};
 
 pub(super) const ARRAY_BUFFER: u32 = 34962;
 pub(super) const FLOAT: u32 = 5126;
+pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_BYTE: u32 = 5121;
+const UNSIGNED_SHORT: u32 = 5123;
+pub(super) const UNSIGNED_INT: u32 = 5125;
+/// As many vertices have numbers of 16 bits: the largest number is left to those who restart strips with it.
+const MOST_NARROW: usize = u16::MAX as usize;
+
+/// Whether numbers of so many vertices are of 32 bits, and the type of their accessor.
+pub(super) fn index_type(vertices: usize) -> (bool, u32) {
+    if vertices > MOST_NARROW { (true, UNSIGNED_INT) } else { (false, UNSIGNED_SHORT) }
+}
 
 /// A document with all that Osculate adds.
 pub(super) struct Document<'a> {

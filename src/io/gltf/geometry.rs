@@ -77,7 +77,7 @@ impl<'a> Geometry<'a> {
             return Ok(None);
         }
         let faces = number(first_face)..number(self.triangles.len());
-        self.bodies.push(Group { name: mesh.name.clone().unwrap_or_default(), faces });
+        self.bodies.push(Group { name: short_name(mesh.name.as_deref().unwrap_or_default()).to_owned(), faces });
         Ok(Some(self.bodies.len() - 1))
     }
 

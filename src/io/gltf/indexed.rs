@@ -1,7 +1,7 @@
 //! Layout `indexed`: values of faces and classified edges in an extension of the primitive, beside
 //! vertices that faces share (docs/file-format.md).
 
-use super::document::{ARRAY_BUFFER, FLOAT};
+use super::document::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, FLOAT, UNSIGNED_INT, index_type};
 use super::draft::{Draft, Piece};
 use super::layout::{Stream, stored_points_bounds};
 use super::references::Kind;
@@ -11,13 +11,6 @@ use crate::mesh::{EdgeKind, Face};
 use crate::numbers::Numbers;
 use crate::quantity::Quantity;
 use serde_json::{Value, json};
-
-const UNSIGNED_INT: u32 = 5125;
-const UNSIGNED_SHORT: u32 = 5123;
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-
-/// The largest vertex number in 16 bits; the one above restarts strips.
-const LARGEST_NARROW: usize = u16::MAX as usize - 1;
 
 /// Positions of the welded vertices of a body and the faces over them, as a primitive; and the corners
 /// of its faces.
@@ -38,10 +31,9 @@ pub(super) fn shared_vertices(
         "bufferView": view, "componentType": FLOAT, "count": count, "type": "VEC3", "min": min, "max": max
     });
     let positions = draft.add(Kind::Accessor, positions);
-    let wide = count > LARGEST_NARROW;
+    let (wide, component) = index_type(count);
     let stream = Stream::Indices { corners: corners.clone(), wide };
     let view = draft.add_view(Piece::Stream(stream), Some(ELEMENT_ARRAY_BUFFER), None);
-    let component = if wide { UNSIGNED_INT } else { UNSIGNED_SHORT };
     let indices = json!({
         "bufferView": view, "componentType": component, "count": 3 * corners.len(), "type": "SCALAR"
     });

@@ -1,7 +1,7 @@
 //! Vertices of an original: which primitives share them, and their attributes after a split.
 
 use super::accessor::Accessors;
-use super::document::ARRAY_BUFFER;
+use super::document::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, index_type};
 use super::draft::{Draft, Piece};
 use super::geometry::{DRACO, corners_of};
 use super::layout::Stream;
@@ -18,10 +18,6 @@ use json::validation::Checked;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
-
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-/// The largest number is left to those who restart strips with it.
-const LARGEST_NARROW: usize = u16::MAX as usize;
 
 /// Copies of vertices may take so many bytes for nothing, and beyond that so many for each byte of the
 /// input: thousands of attributes can share the bytes of one.
@@ -246,7 +242,7 @@ fn replace<'a>(
             }
         }
         for ((place, corners), indices) in pool.primitives.iter().zip(change.corners).zip(indices) {
-            let wide = vertices.len() > LARGEST_NARROW;
+            let (wide, component) = index_type(vertices.len());
             let count = 3 * corners.len();
             let view =
                 draft.add_view(Piece::Stream(Stream::Indices { corners, wide }), Some(ELEMENT_ARRAY_BUFFER), None);
@@ -256,7 +252,7 @@ fn replace<'a>(
                 for old in ["min", "max", "normalized"] {
                     accessor.remove(old);
                 }
-                accessor.insert("componentType".into(), if wide { 5125 } else { 5123 }.into());
+                accessor.insert("componentType".into(), component.into());
             }
             let Some(primitive) = primitive_mut(draft, place) else { continue };
             primitive.insert("indices".into(), number.into());
