@@ -11,7 +11,7 @@
 //! exact there too.
 
 use super::Sample;
-use super::fit::lanes::Real;
+use super::vectors::four::Real;
 
 /// Principal curvatures and the direction of k_max.
 #[derive(Clone, Copy, Debug, PartialEq)]

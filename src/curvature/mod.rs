@@ -11,6 +11,7 @@ mod radius;
 mod sections;
 mod tangent;
 mod values;
+mod vectors;
 
 pub use classify::FaceClass;
 pub use method::Method;

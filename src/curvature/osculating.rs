@@ -20,7 +20,7 @@
 //! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, section 2;
 //! the polygon's spread is our own.
 
-use super::fit::lanes::Real;
+use super::vectors::four::Real;
 use super::{Sample, Section};
 
 /// Solves sin(alpha) / alpha = d / L exactly, for the polygon that the section is.

@@ -17,7 +17,7 @@
 //! Source: M. Szilvasi-Nagy, Face-based Estimations of Curvatures on Triangle Meshes, equation 3; the
 //! sectors are our own.
 
-use super::fit::lanes::Real;
+use super::vectors::four::Real;
 use crate::disk::Disk;
 use crate::section::Stop;
 use std::f64::consts::PI;

@@ -1,80 +1,51 @@
-//! The default estimator: surfaces fitted to windows of vertices.
+//! The default estimator: surfaces fitted to windows of vertices. Here is the way of a mesh through it, and what
+//! becomes of a face's fit; [`noise`] goes on where fits leave errors that count.
 //!
-//! 1. [`first`]: around every face, the smallest implicit surface that explains its window ([`exact`]), shared
-//!    among neighbours where it is good. Exact on planes, quadrics and tori on any triangulation, of high
-//!    order elsewhere. Windows that carry no fit are left to the paper's sections.
-//! 2. [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it; [`strips`]: long facets
-//!    that lie side by side are fitted in a row; [`flats`]: what folds only because its neighbours bend is flat.
-//! 3. Where fits leave errors that count, the surface is noisy, and [`rough`] judges in what way: [`scale`] and
-//!    [`lepski`] choose larger windows from the data and [`patches`] blends what they show; a surface that is
-//!    rough at every scale gets one window for all, from [`steady`].
+//! Each folder uses those before it only:
+//! - [`surface`]: what can be fitted, [`solve`]: how it is fitted. They know of no mesh.
+//! - [`ground`]: the mesh prepared, [`around`]: the vertices of a window gathered from it.
+//! - [`small`]: clean surfaces. [`first`](small::first): around every face, the smallest implicit surface that explains
+//!   its window ([`exact`](small::exact)), shared among neighbours where it is good. Exact on planes, quadrics and tori
+//!   on any triangulation, of high order elsewhere. Windows that carry no fit are left to the paper's sections.
+//!   [`one_sided`]: faces beside a jump of curvature take the fit from their own side of it; [`strips`]: long facets
+//!   that lie side by side are fitted in a row; [`flats`]: what folds only because its neighbours bend is flat.
+//! - [`wide`]: noisy surfaces. [`rough`] judges in what way they are: [`scale`](wide::scale) and
+//!   `lepski` choose larger windows from the data and [`patches`](wide::patches) blends what they show;
+//!   a surface that is rough at every scale gets one window for all, from [`steady`](wide::steady), as does a radius
+//!   that the user has given, from there and from [`shared`].
 //!
 //! `docs/estimator.md` has the derivation, the rules in words, and measured errors.
 
-mod abreast;
-mod batch;
-mod blocks;
-mod cells;
-mod choice;
-mod chord;
-mod cyclide;
-mod equations;
-mod exact;
-mod fans;
-mod first;
-mod flats;
-mod foot;
-mod frame;
+mod around;
 mod ground;
-mod groups;
-mod implicit;
-pub(super) mod lanes;
-mod lepski;
-mod marks;
-mod moments;
 mod noise;
-mod one_sided;
-mod patches;
-mod polynomial;
-mod prior;
-mod probe;
-mod quantum;
-mod rings;
-mod rough;
-mod rulings;
-mod samples;
-mod scale;
-mod seeds;
-mod shape;
-mod shared;
-mod sites;
-mod stars;
-mod steady;
-mod strips;
-mod width;
-mod window;
-mod work;
+mod small;
+mod solve;
+mod surface;
+mod wide;
 
 use super::{CurvatureOptions, FaceClass, FaceCurvature, Method, Radius};
+use crate::curvature::vectors::four::LANES;
 use crate::disk::{Disk, Frame as DiskFrame};
 use crate::mesh::{Face, Mesh};
 use crate::progress::Progress;
-use batch::WANTED;
-use fans::Fans;
-use first::{Quality, Reading, Surveyor};
+use around::batch::WANTED;
+use around::window::Window;
 use glam::Vec3;
 use ground::Ground;
-use lanes::LANES;
-use patches::Blended;
-use polynomial::PLANE;
-use quantum::{Quantum, quantum};
+use ground::fans::Fans;
+use ground::quantum::{Quantum, quantum};
+use ground::work::Work;
 use rayon::prelude::*;
-use shape::Principal;
+use small::first::{Quality, Reading, Surveyor};
+use small::{flats, one_sided, strips};
 use std::f64::consts::PI;
 use std::ops::Range;
-use steady::Steady;
-use window::Window;
-use work::Work;
+use surface::polynomial::PLANE;
+use surface::shape::Principal;
+use wide::patches::Blended;
+use wide::steady::Steady;
+use wide::{rough, shared};
 
 /// Faces estimated between two reports of progress; also the unit of work of a thread.
 const CHUNK: usize = 1024;
@@ -129,7 +100,7 @@ fn within(
     let mut ground = Ground::new(mesh, false, work);
     let quantum = quantum(mesh, ground.width);
     // Where all is noise, it has made the sharp edges too.
-    if scale::is_fine(mesh) && noise::is_everywhere(mesh, &mut Worker::new(&ground, options, quantum)) {
+    if rough::is_fine(mesh) && noise::is_everywhere(mesh, &mut Worker::new(&ground, options, quantum)) {
         ground = Ground::new(mesh, true, work);
     }
     let fans = Fans::new(&ground);
@@ -331,7 +302,7 @@ mod tests {
     fn a_window_that_the_surface_turns_too_much_in_has_no_confidence() {
         let confidence = |turn: f64| {
             let tensor = DMat3::from_diagonal(DVec3::new(0.5 * turn, 0.5 * turn, 0.0));
-            let shape = shape::Shape { normal: DVec3::Z, tensor };
+            let shape = surface::shape::Shape { normal: DVec3::Z, tensor };
             let blended = Blended { shape, radius: 2.0, error: 0.0 };
             blended_value(1.0, &blended, Method::Window, &CurvatureOptions::default()).confidence
         };

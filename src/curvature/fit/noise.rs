@@ -1,12 +1,14 @@
 //! What is done where noise keeps small windows from being explained.
 
-use super::fans::Fans;
-use super::first::Quality;
+use super::around::samples::Sampler;
 use super::ground::Ground;
-use super::patches::Blended;
-use super::rough::{self, Noise};
-use super::samples::Sampler;
-use super::{CHUNK, Worker, blended_value, scale, seeds, steady};
+use super::ground::fans::Fans;
+use super::ground::seeds;
+use super::small::first::Quality;
+use super::wide::kind::Noise;
+use super::wide::patches::Blended;
+use super::wide::{rough, scale, steady};
+use super::{CHUNK, Worker, blended_value};
 use crate::curvature::{CurvatureOptions, FaceCurvature, Method};
 use crate::mesh::{Face, Mesh};
 use rayon::prelude::*;
@@ -79,7 +81,7 @@ pub(super) fn settle(ground: &Ground<'_>, options: &CurvatureOptions, doubtful: 
     let is_widespread = count as f64 > WIDESPREAD * estimated as f64;
     if is_widespread {
         // Noise makes some edges sharp, and leaves faces between them that nothing can be fitted to.
-        let is_fine = scale::is_fine(ground.mesh);
+        let is_fine = rough::is_fine(ground.mesh);
         for (wanted, value) in wanted.iter_mut().zip(&mut *out) {
             *wanted |= is_fine && value.method == Method::Sections;
             doubt_the_lone(value);
@@ -120,7 +122,7 @@ fn look_wider(
         return left.replace(steady::around_vertices(&fans, window, &left.wanted), Method::Window, out);
     }
     left.replace(scale::estimate(&fans, &seeds, wanted, kind), Method::Patches, out);
-    if is_widespread && scale::is_fine(ground.mesh) {
+    if is_widespread && rough::is_fine(ground.mesh) {
         // Noise has made edges sharp that leave no room for a window.
         left.keep_cut_off(&fans);
         drop(fans);

@@ -13,16 +13,16 @@
 //! - where a leg finds no edge to leave the face by, crosses 65,536 edges, or comes to where a surface of one
 //!   side changes its winding.
 
-mod eight;
 mod reading;
 mod steps;
 mod walk;
 
 use super::euler::{EulerFit, Principal};
-use super::fit::lanes::{F4, LANES};
 use super::perimeter::End;
 use super::radius::RadiusSearch;
 use super::{CHUNK, CurvatureOptions, FaceCurvature};
+use crate::curvature::vectors::eight;
+use crate::curvature::vectors::four::{F4, LANES};
 use crate::disk::{Disk, Frame};
 use crate::mesh::{Face, Mesh};
 use crate::progress::Progress;

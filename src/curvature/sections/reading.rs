@@ -2,8 +2,8 @@
 
 use super::walk::Legs;
 use crate::curvature::euler::{EulerFit, Principal, TERMS, terms};
-use crate::curvature::fit::lanes::{F4, Kernel, LANES, Real, run};
 use crate::curvature::perimeter::{End, gauss_of, rim};
+use crate::curvature::vectors::four::{F4, Kernel, LANES, Real, run};
 use crate::curvature::{Estimator, Part, Section, osculating};
 use std::array::from_fn;
 use std::f64::consts::PI;

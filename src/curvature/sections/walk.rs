@@ -10,8 +10,8 @@
 //! along the faces, and so is what a leg lacks from its end's distance: both keep their digits however little
 //! the surface bends.
 
-use super::eight::{Edges, Eight, F, Kernel, LANES, M};
 use super::steps::{Slot, Steps};
+use crate::curvature::vectors::eight::{Edges, Eight, F, Kernel, LANES, M};
 use std::ops::Add;
 
 /// Segments up to this many radii are passed over: rounding has a share in where they point.
