@@ -15,14 +15,14 @@ use super::vectors::four::Real;
 
 /// Principal curvatures and the direction of k_max.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Principal<R = f64> {
+pub(super) struct PlanarPrincipal<R = f64> {
     pub(super) k_max: R,
     pub(super) k_min: R,
     /// Cosine and sine of the angle of the direction of k_max, the cosine zero or more.
     pub(super) direction: [R; 2],
 }
 
-impl Principal {
+impl PlanarPrincipal {
     /// The larger of both curvatures without their signs.
     pub(super) fn largest(&self) -> f64 {
         self.k_max.abs().max(self.k_min.abs())
@@ -73,7 +73,7 @@ impl<R: Real> EulerFit<R> {
 
     /// The fitted principal curvatures; zero where no sample had any weight.
     #[inline(always)]
-    pub(super) fn solve(&self) -> Principal<R> {
+    pub(super) fn solve(&self) -> PlanarPrincipal<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let [mean, a, b, c, d] = self.coefficients();
         let squared = a * a + b * b;
@@ -85,7 +85,7 @@ impl<R: Real> EulerFit<R> {
         let lesser = b.abs() / (amplitude * larger * 2.0);
         let sign = b.select(one, -one);
         let [x, y] = [a.select(larger, lesser), sign * a.select(lesser, larger)];
-        Principal {
+        PlanarPrincipal {
             k_max: mean + amplitude + fourth,
             k_min: mean - amplitude + fourth,
             direction: [squared.if_positive(x, one), squared.if_positive(y, zero)],
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    fn fit(samples: impl IntoIterator<Item = (f64, f64, f64)>) -> Principal {
+    fn fit(samples: impl IntoIterator<Item = (f64, f64, f64)>) -> PlanarPrincipal {
         let mut fit = EulerFit::<f64>::new();
         for (angle, curvature, weight) in samples {
             fit.add(&terms(angle), Sample { curvature, weight });
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn no_weight_means_flat() {
-        assert_eq!(fit([(0.0, 3.0, 0.0)]), Principal { k_max: 0.0, k_min: 0.0, direction: [1.0, 0.0] });
+        assert_eq!(fit([(0.0, 3.0, 0.0)]), PlanarPrincipal { k_max: 0.0, k_min: 0.0, direction: [1.0, 0.0] });
     }
 
     /// In every quadrant of the two terms.

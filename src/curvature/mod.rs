@@ -23,7 +23,7 @@ use crate::error::Error;
 use crate::mesh::{Face, FileOrder, Mesh};
 use crate::place::Place;
 use crate::progress::{Progress, Stage, Uncounted};
-use euler::{EulerFit, Principal};
+use euler::{EulerFit, PlanarPrincipal};
 use radius::RadiusSearch;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -279,7 +279,7 @@ pub fn from_disk(disk: &Disk, frame: &Frame, options: &CurvatureOptions) -> Face
 }
 
 /// Principal curvatures and their directions, by a fit over all diameters.
-fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
+fn principal(disk: &Disk, options: &CurvatureOptions) -> PlanarPrincipal {
     let mut fit = EulerFit::new();
     for diameter in disk.diameters() {
         if let Some(sample) = sample(&diameter, options.estimator, disk.radius()) {
@@ -290,20 +290,20 @@ fn principal(disk: &Disk, options: &CurvatureOptions) -> Principal {
 }
 
 /// Everything a face gets from its disk.
-fn value_of(disk: &Disk, frame: &Frame, principal: Principal, options: &CurvatureOptions) -> FaceCurvature {
+fn value_of(disk: &Disk, frame: &Frame, principal: PlanarPrincipal, options: &CurvatureOptions) -> FaceCurvature {
     let gauss_perimeter = perimeter::gauss(disk).unwrap_or(f64::NAN);
     value_from(frame, &principal, disk.radius(), gauss_perimeter, disk.coverage(), options)
 }
 
 fn value_from(
     frame: &Frame,
-    principal: &Principal,
+    principal: &PlanarPrincipal,
     radius: f64,
     gauss_perimeter: f64,
     coverage: f64,
     options: &CurvatureOptions,
 ) -> FaceCurvature {
-    let Principal { k_max, k_min, direction: [cos, sin] } = *principal;
+    let PlanarPrincipal { k_max, k_min, direction: [cos, sin] } = *principal;
     let direction = cos * frame.x + sin * frame.y;
     FaceCurvature {
         k_max: k_max as f32,

@@ -41,8 +41,10 @@ impl Mesh {
         let (bodies, scene) = (std::mem::take(&mut self.bodies), self.scene.take());
         let (present, vertices) = self.by_first_use(&faces);
         let places = inverse(&faces, Face::index, Face);
-        let mesh =
-            self.renumbered(&Numbers { present: &faces, new: &places }, &Numbers { present: &present, new: &vertices });
+        let mesh = self.renumbered(
+            &Renumbering { present: &faces, new: &places },
+            &Renumbering { present: &present, new: &vertices },
+        );
         (mesh, FileOrder { places, vertices, duplicates, bodies, scene })
     }
 
@@ -50,8 +52,8 @@ impl Mesh {
     pub(crate) fn back_to(self, order: FileOrder) -> Mesh {
         let FileOrder { places, vertices, duplicates, bodies, scene } = order;
         let mesh = self.renumbered(
-            &Numbers { present: &places, new: &inverse(&places, Face::index, Face) },
-            &Numbers { present: &vertices, new: &inverse(&vertices, Vertex::index, Vertex) },
+            &Renumbering { present: &places, new: &inverse(&places, Face::index, Face) },
+            &Renumbering { present: &vertices, new: &inverse(&vertices, Vertex::index, Vertex) },
         );
         Mesh { duplicates, bodies, scene, ..mesh }
     }
@@ -89,7 +91,7 @@ impl Mesh {
     }
 
     /// The same surface with other numbers. One list after the other, so that no more than one is there twice.
-    fn renumbered(mut self, faces: &Numbers<'_, Face>, vertices: &Numbers<'_, Vertex>) -> Mesh {
+    fn renumbered(mut self, faces: &Renumbering<'_, Face>, vertices: &Renumbering<'_, Vertex>) -> Mesh {
         let corners = |old: &Face| self.topology.corners(*old).map(|v| vertices.new[v.index()].0);
         let corners: Vec<[u32; 3]> = faces.present.par_iter().map(corners).collect();
         self.positions = vertices.present.par_iter().map(|old| self.positions[old.index()]).collect();
@@ -206,7 +208,7 @@ impl Far {
 }
 
 /// New numbers for faces or vertices.
-struct Numbers<'n, T> {
+struct Renumbering<'n, T> {
     /// The present number of every new one.
     present: &'n [T],
     /// The new number of every present one.

@@ -26,7 +26,7 @@ mod wide;
 
 use super::{CurvatureOptions, FaceClass, FaceCurvature, Method, Radius};
 use crate::curvature::vectors::four::LANES;
-use crate::disk::{Disk, Frame as DiskFrame};
+use crate::disk::{Disk, Frame};
 use crate::mesh::{Face, Mesh};
 use crate::progress::Progress;
 use around::batch::WANTED;
@@ -217,7 +217,7 @@ impl<'g> Worker<'g> {
             if let Some(reading) = reading {
                 out[at] = value_of(&reading, Method::Fit, options);
                 quality[at] = reading.quality;
-            } else if let Some(frame) = DiskFrame::at_barycentre(mesh, face) {
+            } else if let Some(frame) = Frame::at_barycentre(mesh, face) {
                 out[at] = super::curvature_at(mesh, face, &frame, options, None, disk);
             }
         });

@@ -17,7 +17,7 @@ mod reading;
 mod steps;
 mod walk;
 
-use super::euler::{EulerFit, Principal};
+use super::euler::{EulerFit, PlanarPrincipal};
 use super::perimeter::End;
 use super::radius::RadiusSearch;
 use super::{CHUNK, CurvatureOptions, FaceCurvature};
@@ -29,7 +29,7 @@ use crate::progress::Progress;
 use crate::section::Plane;
 use crate::unfolding::angle_aside;
 use rayon::prelude::*;
-use reading::{Reader, Reading};
+use reading::{DiskReading, Reader};
 use std::f64::consts::PI;
 use steps::Steps;
 use walk::{Directions, Legs, Start, Walk};
@@ -171,7 +171,7 @@ impl<'s> Worker<'s> {
         true
     }
 
-    fn gauss(&mut self, case: &Case, reading: &Reading) -> f64 {
+    fn gauss(&mut self, case: &Case, reading: &DiskReading) -> f64 {
         let Survey { mesh, options, reader, .. } = self.survey;
         let aside = |leg: usize| {
             let direction = case.frame.direction(PI * leg as f64 / options.diameters as f64);
@@ -213,9 +213,9 @@ impl Case {
         }
     }
 
-    fn value(&self, principal: &Principal, options: &CurvatureOptions) -> FaceCurvature {
-        let Principal { k_max, k_min, direction } = *principal;
-        let in_units = Principal { k_max: k_max / self.radius, k_min: k_min / self.radius, direction };
+    fn value(&self, principal: &PlanarPrincipal, options: &CurvatureOptions) -> FaceCurvature {
+        let PlanarPrincipal { k_max, k_min, direction } = *principal;
+        let in_units = PlanarPrincipal { k_max: k_max / self.radius, k_min: k_min / self.radius, direction };
         super::value_from(&self.frame, &in_units, self.radius, self.gauss_perimeter, self.coverage, options)
     }
 }

@@ -1,7 +1,7 @@
 //! What the legs of a face show, four diameters side by side and then four faces.
 
 use super::walk::Legs;
-use crate::curvature::euler::{EulerFit, Principal, TERMS, terms};
+use crate::curvature::euler::{EulerFit, PlanarPrincipal, TERMS, terms};
 use crate::curvature::perimeter::{End, gauss_of, rim};
 use crate::curvature::vectors::four::{F4, Kernel, LANES, Real, run};
 use crate::curvature::{Estimator, Part, Section, osculating};
@@ -23,7 +23,7 @@ pub(super) struct Reader {
 
 /// What the legs of one face show besides the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reading {
+pub(super) struct DiskReading {
     /// The perimeter of a whole disk, in radii.
     perimeter: f64,
     /// Legs that reached the radius.
@@ -46,18 +46,18 @@ impl Reader {
     }
 
     /// Reads the legs of a face and puts the fit, in radii, into a lane.
-    pub(super) fn read(&self, legs: &Legs, fits: &mut EulerFit<F4>, lane: usize) -> Reading {
+    pub(super) fn read(&self, legs: &Legs, fits: &mut EulerFit<F4>, lane: usize) -> DiskReading {
         run(Read { reader: self, legs, fits, lane })
     }
 
     /// The same without the processor's vectors.
     #[cfg(test)]
-    pub(super) fn read_portable(&self, legs: &Legs, fits: &mut EulerFit<F4>, lane: usize) -> Reading {
+    pub(super) fn read_portable(&self, legs: &Legs, fits: &mut EulerFit<F4>, lane: usize) -> DiskReading {
         Read { reader: self, legs, fits, lane }.run()
     }
 
     /// Share of the legs that reached the radius, 0 to 1.
-    pub(super) fn coverage(&self, reading: &Reading) -> f64 {
+    pub(super) fn coverage(&self, reading: &DiskReading) -> f64 {
         reading.whole as f64 / (2 * self.diameters) as f64
     }
 
@@ -65,7 +65,7 @@ impl Reader {
     /// memory for it.
     pub(super) fn gauss(
         &self,
-        reading: &Reading,
+        reading: &DiskReading,
         legs: &Legs,
         ends: &mut Vec<End>,
         aside: impl Fn(usize) -> f64,
@@ -99,10 +99,10 @@ struct Read<'a> {
 }
 
 impl Kernel for Read<'_> {
-    type Output = Reading;
+    type Output = DiskReading;
 
     #[inline(always)]
-    fn run(self) -> Reading {
+    fn run(self) -> DiskReading {
         let Read { reader, legs, fits, lane } = self;
         let count = 2 * reader.diameters;
         let mut fit = EulerFit::<F4>::new();
@@ -125,7 +125,7 @@ impl Kernel for Read<'_> {
             }
             fits.right[i].0[lane] = fit.right[i].sum();
         }
-        Reading { perimeter: if whole == count { perimeter(reader, legs) } else { 0.0 }, whole }
+        DiskReading { perimeter: if whole == count { perimeter(reader, legs) } else { 0.0 }, whole }
     }
 }
 
@@ -169,19 +169,19 @@ fn load(all: &[f32], at: usize) -> F4 {
 }
 
 /// The principal curvatures of four faces.
-pub(super) fn solve(fits: &EulerFit<F4>) -> [Principal; LANES] {
+pub(super) fn solve(fits: &EulerFit<F4>) -> [PlanarPrincipal; LANES] {
     struct Solve<'a>(&'a EulerFit<F4>);
 
     impl Kernel for Solve<'_> {
-        type Output = Principal<F4>;
+        type Output = PlanarPrincipal<F4>;
 
         #[inline(always)]
-        fn run(self) -> Principal<F4> {
+        fn run(self) -> PlanarPrincipal<F4> {
             self.0.solve()
         }
     }
     let all = run(Solve(fits));
-    from_fn(|lane| Principal {
+    from_fn(|lane| PlanarPrincipal {
         k_max: all.k_max.0[lane],
         k_min: all.k_min.0[lane],
         direction: all.direction.map(|part| part.0[lane]),

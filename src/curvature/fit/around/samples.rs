@@ -5,7 +5,7 @@ use super::rings::Rings;
 use crate::curvature::fit::ground::Ground;
 use crate::curvature::fit::ground::fans::Fans;
 use crate::curvature::fit::ground::sites::Sites;
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::mesh::Face;
 use glam::{DVec3, Vec3};
 
@@ -67,13 +67,18 @@ impl<'g, S: Sites> Sampler<'g, S> {
     /// Takes the `count` vertices nearest to `centre` among the rings that hold half as many more, and
     /// returns their frame, with the largest distance as its unit. The centre must stay the same from one start to the
     /// next.
-    pub(in crate::curvature::fit) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<Frame> {
+    pub(in crate::curvature::fit) fn take_nearest(&mut self, centre: DVec3, count: usize) -> Option<LocalFrame> {
         self.gather(count + count / 2);
         self.take(centre, |_| count)
     }
 
     /// Takes all vertices within `radius` of `centre`, and at least `least` where there are so many.
-    pub(in crate::curvature::fit) fn take_within(&mut self, centre: DVec3, radius: f64, least: usize) -> Option<Frame> {
+    pub(in crate::curvature::fit) fn take_within(
+        &mut self,
+        centre: DVec3,
+        radius: f64,
+        least: usize,
+    ) -> Option<LocalFrame> {
         let square = radius * radius;
         self.gather_within(centre, radius, least);
         self.take(centre, |order| order.iter().filter(|n| n.0 <= square).count().max(least))
@@ -98,7 +103,7 @@ impl<'g, S: Sites> Sampler<'g, S> {
         }
     }
 
-    fn take(&mut self, centre: DVec3, count: impl Fn(&[(f64, u32)]) -> usize) -> Option<Frame> {
+    fn take(&mut self, centre: DVec3, count: impl Fn(&[(f64, u32)]) -> usize) -> Option<LocalFrame> {
         let sites = self.sites;
         for &site in &self.rings.vertices()[self.known..] {
             if sites.normal(site).dot(self.facing) <= 0.0 {
@@ -123,7 +128,7 @@ impl<'g, S: Sites> Sampler<'g, S> {
         self.points.clear();
         self.points.extend(taken.iter().map(|&(_, site)| sites.position(site)));
         let normal: Vec3 = taken.iter().map(|&(_, site)| sites.normal(site)).sum();
-        Frame::upright(centre, normal.as_dvec3(), radius)
+        LocalFrame::upright(centre, normal.as_dvec3(), radius)
     }
 
     /// True where fewer than `least` vertices hang together with a face.
@@ -140,7 +145,7 @@ impl<'g, S: Sites> Sampler<'g, S> {
 
     /// Sets weights for the samples taken last that fall towards the rim and for vertices that face aside, so
     /// that none of them enters or leaves at once as the mesh moves.
-    pub(in crate::curvature::fit) fn weigh(&mut self, frame: &Frame) {
+    pub(in crate::curvature::fit) fn weigh(&mut self, frame: &LocalFrame) {
         let normal = frame.axes.z_axis.as_vec3();
         let square = frame.unit * frame.unit;
         self.roots.clear();

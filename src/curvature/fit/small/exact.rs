@@ -3,10 +3,10 @@
 
 use crate::curvature::fit::around::batch::Batch;
 use crate::curvature::fit::ground::quantum::Quantum;
-use crate::curvature::fit::solve::choice::{Check, Chosen, Model, penalties};
+use crate::curvature::fit::solve::choice::{Check, Chosen, SizedModel, penalties};
 use crate::curvature::fit::solve::equations::{Factor, Normal, residual};
 use crate::curvature::fit::solve::prior::priors;
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::fit::surface::implicit::Implicit;
 use crate::curvature::fit::surface::polynomial::{
     CYCLIDE, MOST, PARABOLOID, PLANE, Polynomial, SIZES, basis, basis_along,
@@ -58,11 +58,11 @@ pub(super) struct Fitter {
     quantum: Quantum,
     /// What sizes cost, by the number of points.
     penalties: Vec<[f64; SIZES.len()]>,
-    samples: Samples,
+    windows: WindowRows,
 }
 
-/// Windows in their frames, and their rows in the bases.
-struct Samples {
+/// The samples of windows in their frames, and their rows in the bases.
+struct WindowRows {
     points: Vec<V3<F4>>,
     normals: Vec<V3<F4>>,
     values: Vec<F4>,
@@ -70,16 +70,17 @@ struct Samples {
     wide_rows: Vec<[F4; MOST]>,
 }
 
-/// Frames side by side.
+/// The frames of windows side by side, without their origins, which are the windows' middles.
 #[derive(Clone, Copy)]
-struct Frames {
-    axes: [V3<F4>; 3],
+struct Axes {
+    /// Two tangents and the normal.
+    columns: [V3<F4>; 3],
     unit: F4,
 }
 
 /// What came of four windows.
 pub(super) struct Fits {
-    frames: Frames,
+    axes: Axes,
     /// Largest distance of a point from the middle, in units of the frame.
     radius: F4,
     plane: [F4; 3],
@@ -93,8 +94,8 @@ pub(super) struct Fits {
     rounding: F4,
 }
 
-struct FitLanes<'f> {
-    samples: &'f mut Samples,
+struct FitExact<'f> {
+    windows: &'f mut WindowRows,
     batch: &'f Batch,
     quantum: Quantum,
     penalties: [F4; SIZES.len()],
@@ -103,8 +104,8 @@ struct FitLanes<'f> {
 impl Fitter {
     /// For coordinates that are rounded so.
     pub(super) fn new(quantum: Quantum) -> Self {
-        let samples = Samples { points: vec![], normals: vec![], values: vec![], rows: vec![], wide_rows: vec![] };
-        Fitter { quantum, penalties: (0..64).map(penalties).collect(), samples }
+        let windows = WindowRows { points: vec![], normals: vec![], values: vec![], rows: vec![], wide_rows: vec![] };
+        Fitter { quantum, penalties: (0..64).map(penalties).collect(), windows }
     }
 
     /// Fits all windows of a batch.
@@ -114,33 +115,33 @@ impl Fitter {
             let of_count = self.penalties.get(count).copied().unwrap_or_else(|| penalties(count));
             costs.iter_mut().zip(of_count).for_each(|(to, from)| to.0[lane] = from);
         }
-        run(FitLanes { samples: &mut self.samples, batch, quantum: self.quantum, penalties: costs })
+        run(FitExact { windows: &mut self.windows, batch, quantum: self.quantum, penalties: costs })
     }
 }
 
-impl Kernel for FitLanes<'_> {
+impl Kernel for FitExact<'_> {
     type Output = Fits;
 
     #[inline(always)]
     fn run(self) -> Fits {
-        let FitLanes { samples, batch, quantum, penalties } = self;
+        let FitExact { windows, batch, quantum, penalties } = self;
         let count = F4::of(batch.counts, |c| c as f64);
-        let frames = samples.enter(batch);
-        let around = |lane: usize| quantum.around(batch.centres[lane], frames.unit.0[lane]);
-        let rounding = F4([around(0), around(1), around(2), around(3)]) / frames.unit;
+        let axes = windows.enter(batch);
+        let around = |lane: usize| quantum.around(batch.centres[lane], axes.unit.0[lane]);
+        let rounding = F4([around(0), around(1), around(2), around(3)]) / axes.unit;
         let floor = count * (rounding * rounding * ROUNDED + F4::splat(ARITHMETIC));
-        let normal = samples.equations(batch, &frames);
+        let normal = windows.equations(batch, &axes);
         let mut factor = Factor::new(&normal);
         factor.factor(PARABOLOID);
 
         let plane = factor.solve(PLANE);
         let (mut farthest, mut radius) = (F4::ZERO, F4::ZERO);
-        for p in &samples.points {
+        for p in &windows.points {
             farthest = farthest.max((p.z - plane[0] - plane[1] * p.x - plane[2] * p.y).abs());
             radius = radius.max(p.dot(*p));
         }
         let mut fits = Fits {
-            frames,
+            axes,
             radius: radius.sqrt(),
             plane: [plane[0], plane[1], plane[2]],
             is_flat: which(|i| i >= batch.seeds.len() || farthest.0[i] <= 4.0 * rounding.0[i] + 1e-14),
@@ -158,15 +159,15 @@ impl Kernel for FitLanes<'_> {
         fits.needs_rulings = which(|i| least.0[i] < SINGULAR && batch.rulings[i].is_empty());
         factor.add_priors(&priors(factor.paraboloid(), rounding));
         factor.factor(CYCLIDE);
-        let mut models = [Model::ZERO; 4];
+        let mut models = [SizedModel::ZERO; 4];
         for (m, model) in models.iter_mut().enumerate() {
             let coefficients = factor.solve(SIZES[m]);
-            model.residual = residual(&samples.rows, &samples.values, &coefficients, SIZES[m]);
+            model.residual = residual(&windows.rows, &windows.values, &coefficients, SIZES[m]);
             model.cost = (model.residual + floor) * penalties[m];
             model.coefficients[..CYCLIDE].copy_from_slice(&coefficients);
         }
-        let reach = batch.reaches / frames.unit;
-        let simple = Chosen::among(&models, &fits.is_flat, &Sanity { samples, reach });
+        let reach = batch.reaches / axes.unit;
+        let simple = Chosen::among(&models, &fits.is_flat, &Sanity { windows, reach });
         let degrees = count - F4::of(simple.sizes, |s| s as f64);
         fits.deviation = ((simple.residual + floor) / degrees).sqrt();
         fits.error = fits.deviation * factor.tensor_variance(simple.sizes, CYCLIDE).sqrt();
@@ -179,9 +180,9 @@ impl Kernel for FitLanes<'_> {
             simple.found[i] && is_unexplained && batch.counts[i] >= MOST + 2 && !fits.is_flat[i] && !has_rulings
         });
         if wants_more.contains(&true) {
-            let (wide, wide_error) = samples.fit_wide(batch, rounding, floor, penalties[4]);
+            let (wide, wide_error) = windows.fit_wide(batch, rounding, floor, penalties[4]);
             let wide_surface = Polynomial { coefficients: wide.coefficients, size: MOST };
-            let is_sane = Sanity { samples, reach }.passes(&wide_surface);
+            let is_sane = Sanity { windows, reach }.passes(&wide_surface);
             for i in 0..LANES {
                 if wants_more[i] && is_sane[i] && wide.cost.0[i] < simple.cost.0[i] {
                     fits.surface.take(i, &wide, MOST);
@@ -196,13 +197,13 @@ impl Kernel for FitLanes<'_> {
 impl Fits {
     /// What became of the window in a lane.
     pub(super) fn outcome(&self, batch: &Batch, lane: usize) -> Outcome {
-        let unit = self.frames.unit.0[lane];
+        let unit = self.axes.unit.0[lane];
         if lane >= batch.seeds.len() || !(unit > 0.0 && unit.is_finite()) {
             return Outcome::None;
         }
-        let [x, y, z] = &self.frames.axes;
+        let [x, y, z] = &self.axes.columns;
         let axes = DMat3::from_cols(x.get(lane), y.get(lane), z.get(lane));
-        let frame = Frame { origin: batch.centres[lane], axes, unit };
+        let frame = LocalFrame { origin: batch.centres[lane], axes, unit };
         let (radius, coverage) = (self.radius.0[lane] * unit, batch.coverage[lane]);
         if self.is_flat[lane] {
             let mut simple = Polynomial { coefficients: [0.0; MOST], size: PLANE };
@@ -230,11 +231,11 @@ impl Fits {
     }
 }
 
-impl Samples {
+impl WindowRows {
     /// Sets up frames and takes all points into them: the normal is the mean of the normals, the tangents
     /// are the principal axes of the points, the unit is their root mean square distance.
     #[inline(always)]
-    fn enter(&mut self, batch: &Batch) -> Frames {
+    fn enter(&mut self, batch: &Batch) -> Axes {
         let sum = batch.uprights;
         let length = sum.dot(sum).sqrt();
         let n = sum.scaled(F4::ONE / length);
@@ -263,24 +264,24 @@ impl Samples {
             self.values.push(p.z);
             self.normals.push(V3::new(normal.dot(x), normal.dot(y), normal.dot(n)));
         }
-        Frames { axes: [x, y, n], unit }
+        Axes { columns: [x, y, n], unit }
     }
 
     /// The normal equations of the simple bases, with rulings if there are any.
     #[inline(always)]
-    fn equations(&mut self, batch: &Batch, frames: &Frames) -> Normal<CYCLIDE> {
+    fn equations(&mut self, batch: &Batch, axes: &Axes) -> Normal<CYCLIDE> {
         self.rows.clear();
         for (i, &p) in self.points.iter().enumerate() {
             self.rows.push(basis(p, is_inside(batch, i)));
         }
         let mut normal = Normal::new(&self.rows, &self.values);
-        for_rulings(batch, frames, |lane, row, value| normal.add(lane, &std::array::from_fn(|i| row[i]), value));
+        for_rulings(batch, axes, |lane, row, value| normal.add(lane, &std::array::from_fn(|i| row[i]), value));
         normal
     }
 
     /// The model of all 22 terms.
     #[inline(always)]
-    fn fit_wide(&mut self, batch: &Batch, rounding: F4, floor: F4, penalty: F4) -> (Model, F4) {
+    fn fit_wide(&mut self, batch: &Batch, rounding: F4, floor: F4, penalty: F4) -> (SizedModel, F4) {
         self.wide_rows.clear();
         for (i, &p) in self.points.iter().enumerate() {
             self.wide_rows.push(basis(p, is_inside(batch, i)));
@@ -294,7 +295,7 @@ impl Samples {
         let residual = residual(&self.wide_rows, &self.values, &coefficients, MOST);
         let degrees = F4::of(batch.counts, |c| c as f64 - MOST as f64);
         let error = ((residual + floor) / degrees).sqrt() * factor.tensor_variance([MOST; LANES], MOST).sqrt();
-        (Model { coefficients, residual, cost: (residual + floor) * penalty }, error)
+        (SizedModel { coefficients, residual, cost: (residual + floor) * penalty }, error)
     }
 }
 
@@ -302,7 +303,7 @@ impl Samples {
 /// sheets, of which the faces see the wrong one. Nor is it further from the middle than `reach`: it would not be the
 /// one the middle belongs to.
 struct Sanity<'s> {
-    samples: &'s Samples,
+    windows: &'s WindowRows,
     reach: F4,
 }
 
@@ -314,7 +315,7 @@ impl Check for Sanity<'_> {
         let middle = f.gradient(V3::ZERO);
         let least = middle.dot(middle) * LEAST_SLOPE;
         let (mut slope, mut facing, mut turned) = (F4::splat(f64::INFINITY), F4::splat(0.0), F4::splat(0.0));
-        for (&p, &normal) in self.samples.points.iter().zip(&self.samples.normals) {
+        for (&p, &normal) in self.windows.points.iter().zip(&self.windows.normals) {
             let gradient = f.gradient(p);
             let along = gradient.dot(normal);
             slope = slope.min(gradient.dot(gradient) - least);
@@ -334,13 +335,13 @@ fn is_inside(batch: &Batch, point: usize) -> F4 {
 }
 
 /// The rows that ask for straight rulings.
-fn for_rulings(batch: &Batch, frames: &Frames, mut row: impl FnMut(usize, &[f64; MOST], f64)) {
+fn for_rulings(batch: &Batch, axes: &Axes, mut row: impl FnMut(usize, &[f64; MOST], f64)) {
     for (lane, rulings) in batch.rulings.iter().enumerate() {
-        let axes = DMat3::from_cols(frames.axes[0].get(lane), frames.axes[1].get(lane), frames.axes[2].get(lane));
-        let axes = axes.transpose();
+        let [x, y, z] = &axes.columns;
+        let turn = DMat3::from_cols(x.get(lane), y.get(lane), z.get(lane)).transpose();
         for &(at, along) in rulings {
-            let at = axes * ((at - batch.centres[lane]) / frames.unit.0[lane]);
-            let along = axes * along.normalize_or_zero();
+            let at = turn * ((at - batch.centres[lane]) / axes.unit.0[lane]);
+            let along = turn * along.normalize_or_zero();
             row(lane, &basis_along(at.into(), along.into()).map(|d| RULING_WEIGHT * d), RULING_WEIGHT * along.z);
         }
     }

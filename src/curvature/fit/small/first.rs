@@ -71,7 +71,7 @@ pub(in crate::curvature::fit) struct Surveyor<'g> {
 
 /// Faces that are still to be read.
 #[derive(Default)]
-struct Left {
+struct Unread {
     /// Those that need a fit of their own.
     alone: Vec<Face>,
     /// Those whose fit needs rulings.
@@ -112,7 +112,7 @@ impl<'g> Surveyor<'g> {
     /// their windows to the last digit. Those the fit is not good enough for, or that lie apart, get fits of their own.
     pub(in crate::curvature::fit) fn survey(&mut self, faces: Range<u32>, mut tell: impl FnMut(Face, Option<Reading>)) {
         self.groups.open(self.ground.mesh, faces);
-        let mut left = Left::default();
+        let mut left = Unread::default();
         let mut served: Vec<Group> = Vec::with_capacity(LANES);
         let mut steps = 1;
         self.batch.clear();
@@ -131,8 +131,8 @@ impl<'g> Surveyor<'g> {
             }
         }
         self.read(&mut served, &mut left, &mut tell);
-        let Left { alone, mut ruled } = left;
-        let mut left = Left::default();
+        let Unread { alone, mut ruled } = left;
+        let mut left = Unread::default();
         for seeds in alone.chunks(LANES) {
             for &seed in seeds {
                 served.push(Group::alone(seed));
@@ -152,7 +152,12 @@ impl<'g> Surveyor<'g> {
     }
 
     /// Fits what is loaded and reads it for all faces it serves. True when all of it is explained to the last digit.
-    fn read(&mut self, served: &mut Vec<Group>, left: &mut Left, tell: &mut impl FnMut(Face, Option<Reading>)) -> bool {
+    fn read(
+        &mut self,
+        served: &mut Vec<Group>,
+        left: &mut Unread,
+        tell: &mut impl FnMut(Face, Option<Reading>),
+    ) -> bool {
         let fits = self.fitter.fit(&self.batch);
         let mut is_even = true;
         for (lane, group) in served.drain(..).enumerate() {

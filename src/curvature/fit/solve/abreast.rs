@@ -1,14 +1,14 @@
 //! Windows of samples side by side, for fits of four at a time.
 
-use crate::curvature::fit::surface::frame::Frame;
-use crate::curvature::vectors::four::{F4, LANES, Real, V3};
+use crate::curvature::fit::surface::frame::{LocalFrame, leaning};
+use crate::curvature::vectors::four::{F4, LANES, V3};
 use glam::{DMat3, DVec3};
 
 /// Up to four windows of samples, one in each lane.
 pub(in crate::curvature::fit) struct Abreast {
     /// Where the points of each window are seen from.
     origins: [DVec3; LANES],
-    pub(super) frames: Frames,
+    pub(super) frames: LocalFrames,
     /// Samples as seen from the origins, in file units; zero beyond the end of a lane's window.
     pub(super) points: Vec<V3<F4>>,
     /// Roots of the samples' weights; zero beyond the end of a lane's window.
@@ -18,7 +18,7 @@ pub(in crate::curvature::fit) struct Abreast {
 
 /// Frames side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Frames {
+pub(super) struct LocalFrames {
     /// As seen from where the points are seen from.
     pub(super) origin: V3<F4>,
     /// Two tangents and the normal.
@@ -27,8 +27,8 @@ pub(super) struct Frames {
     pub(super) unit: F4,
 }
 
-impl Frames {
-    const NONE: Frames = Frames { origin: V3::ZERO, axes: [V3::ZERO; 3], unit: F4::ONE };
+impl LocalFrames {
+    const NONE: LocalFrames = LocalFrames { origin: V3::ZERO, axes: [V3::ZERO; 3], unit: F4::ONE };
 
     #[inline(always)]
     pub(super) fn to_local(self, p: V3<F4>) -> V3<F4> {
@@ -39,25 +39,20 @@ impl Frames {
     /// The frames whose origins lie `height` over these along the normals, leaning by the slopes `x` and `y` of a
     /// plane.
     #[inline(always)]
-    pub(super) fn moved(self, height: F4, x: F4, y: F4) -> Frames {
-        let [u, v, n] = self.axes;
-        let origin = self.origin + n.scaled(height * self.unit);
-        let lean = n - u.scaled(x) - v.scaled(y);
-        let n = lean.scaled(F4::ONE / lean.dot(lean).sqrt());
-        let u = u - n.scaled(u.dot(n));
-        let u = u.scaled(F4::ONE / u.dot(u).sqrt());
-        Frames { origin, axes: [u, n.cross(u), n], unit: self.unit }
+    pub(super) fn moved(self, height: F4, x: F4, y: F4) -> LocalFrames {
+        let origin = self.origin + self.axes[2].scaled(height * self.unit);
+        LocalFrames { origin, axes: leaning(self.axes, x, y), unit: self.unit }
     }
 }
 
 impl Abreast {
     pub(in crate::curvature::fit) fn new() -> Self {
         let origins = [DVec3::ZERO; LANES];
-        Abreast { origins, frames: Frames::NONE, points: vec![], roots: vec![], counts: [0; LANES] }
+        Abreast { origins, frames: LocalFrames::NONE, points: vec![], roots: vec![], counts: [0; LANES] }
     }
 
     pub(in crate::curvature::fit) fn clear(&mut self) {
-        self.frames = Frames::NONE;
+        self.frames = LocalFrames::NONE;
         self.points.clear();
         self.roots.clear();
         self.counts = [0; LANES];
@@ -67,7 +62,7 @@ impl Abreast {
     pub(in crate::curvature::fit) fn load(
         &mut self,
         lane: usize,
-        frame: Frame,
+        frame: LocalFrame,
         samples: impl ExactSizeIterator<Item = (DVec3, f64)>,
     ) {
         let count = samples.len();
@@ -87,11 +82,11 @@ impl Abreast {
     }
 
     /// The frame of a lane; `None` where it is not of finite numbers or the lane is empty.
-    pub(in crate::curvature::fit) fn frame(&self, lane: usize) -> Option<Frame> {
-        let Frames { origin, axes: [x, y, z], unit } = &self.frames;
+    pub(in crate::curvature::fit) fn frame(&self, lane: usize) -> Option<LocalFrame> {
+        let LocalFrames { origin, axes: [x, y, z], unit } = &self.frames;
         let axes = DMat3::from_cols(x.get(lane), y.get(lane), z.get(lane));
         let origin = self.origins[lane] + origin.get(lane);
         let is_frame = self.counts[lane] > 0 && origin.is_finite() && axes.is_finite();
-        is_frame.then_some(Frame { origin, axes, unit: unit.0[lane] })
+        is_frame.then_some(LocalFrame { origin, axes, unit: unit.0[lane] })
     }
 }

@@ -5,7 +5,7 @@ use crate::curvature::vectors::four::{F4, LANES, which};
 
 /// What a model of some size makes of the windows.
 #[derive(Clone, Copy)]
-pub(in crate::curvature::fit) struct Model {
+pub(in crate::curvature::fit) struct SizedModel {
     pub(in crate::curvature::fit) coefficients: [F4; MOST],
     pub(in crate::curvature::fit) residual: F4,
     /// Grows with the residual and the size; infinite where the points are too few.
@@ -29,9 +29,9 @@ pub(in crate::curvature::fit) trait Check {
     fn passes(&self, f: &Polynomial<F4>) -> [bool; LANES];
 }
 
-impl Model {
-    pub(in crate::curvature::fit) const ZERO: Model =
-        Model { coefficients: [F4::ZERO; MOST], residual: F4::ZERO, cost: F4::ZERO };
+impl SizedModel {
+    pub(in crate::curvature::fit) const ZERO: SizedModel =
+        SizedModel { coefficients: [F4::ZERO; MOST], residual: F4::ZERO, cost: F4::ZERO };
 }
 
 impl Chosen {
@@ -46,7 +46,7 @@ impl Chosen {
     /// The cheapest of the models of the first sizes that passes a check; lanes that are `done` need none.
     #[inline(always)]
     pub(in crate::curvature::fit) fn among<const M: usize>(
-        models: &[Model; M],
+        models: &[SizedModel; M],
         done: &[bool; LANES],
         check: &impl Check,
     ) -> Self {
@@ -79,7 +79,7 @@ impl Chosen {
 
     /// Takes the model of one lane.
     #[inline(always)]
-    pub(in crate::curvature::fit) fn take(&mut self, lane: usize, model: &Model, size: usize) {
+    pub(in crate::curvature::fit) fn take(&mut self, lane: usize, model: &SizedModel, size: usize) {
         for (to, from) in self.coefficients.iter_mut().zip(&model.coefficients) {
             to.0[lane] = from.0[lane];
         }

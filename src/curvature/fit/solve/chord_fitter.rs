@@ -2,29 +2,29 @@
 
 use super::abreast::Abreast;
 use super::equations::Factor;
-use super::moments::Samples;
+use super::moments::Heights;
 use crate::curvature::fit::surface::bivariate::{WIDEST, terms};
 use crate::curvature::fit::surface::chord::{Chord, chord};
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::vectors::four::{F4, Kernel, LANES, run};
 
 /// Fits four windows at a time.
 pub(in crate::curvature::fit) struct ChordFitter {
     /// In chord coordinates.
-    samples: Samples,
+    heights: Heights,
 }
 
 /// The fits to four windows, whose frames they have moved.
 pub(in crate::curvature::fit) struct ChordFits {
     /// By degree.
-    models: [Model; 5],
+    models: [DegreeModel; 5],
     highest: [usize; LANES],
     counts: [usize; LANES],
 }
 
 /// The polynomials of one degree, in units of the frames.
 #[derive(Clone, Copy)]
-struct Model {
+struct DegreeModel {
     coefficients: [F4; WIDEST],
     /// Sums of squared residuals.
     residual: F4,
@@ -36,13 +36,13 @@ impl ChordFitter {
     /// The equations of the windows, factored.
     #[inline(always)]
     fn factor<const N: usize>(&mut self, abreast: &Abreast, degree: usize) -> Factor<N> {
-        self.samples.clear();
+        self.heights.clear();
         for (&p, &root) in abreast.points.iter().zip(&abreast.roots) {
             let p = abreast.frames.to_local(p);
             let (x, y) = chord(p, p.z);
-            self.samples.push(x, y, p.z, root * root);
+            self.heights.push(x, y, p.z, root * root);
         }
-        let mut factor = Factor::new(&self.samples.equations(degree));
+        let mut factor = Factor::new(&self.heights.equations(degree));
         factor.factor(N);
         factor
     }
@@ -55,9 +55,9 @@ impl ChordFitter {
         asked: &[usize],
         highest: [usize; LANES],
         most: usize,
-    ) -> [Model; 5] {
+    ) -> [DegreeModel; 5] {
         let factor = self.factor::<N>(abreast, most);
-        let mut models = [Model::ZERO; 5];
+        let mut models = [DegreeModel::ZERO; 5];
         for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(2) {
             if !asked.contains(&degree) && !highest.contains(&degree) {
                 continue;
@@ -65,18 +65,18 @@ impl ChordFitter {
             let size = terms(degree);
             let coefficients = factor.solve(size);
             model.coefficients[..size].copy_from_slice(&coefficients[..size]);
-            model.residual = self.samples.residual(degree, &model.coefficients);
+            model.residual = self.heights.residual(degree, &model.coefficients);
             model.variance = factor.tensor_variance([size; LANES], size);
         }
         models
     }
 }
 
-impl Model {
-    const ZERO: Model = Model { coefficients: [F4::ZERO; WIDEST], residual: F4::ZERO, variance: F4::ZERO };
+impl DegreeModel {
+    const ZERO: DegreeModel = DegreeModel { coefficients: [F4::ZERO; WIDEST], residual: F4::ZERO, variance: F4::ZERO };
 }
 
-struct FitLanes<'f> {
+struct FitChords<'f> {
     fitter: &'f mut ChordFitter,
     abreast: &'f mut Abreast,
     asked: &'f [usize],
@@ -84,12 +84,12 @@ struct FitLanes<'f> {
     rounds: usize,
 }
 
-impl Kernel for FitLanes<'_> {
+impl Kernel for FitChords<'_> {
     type Output = ChordFits;
 
     #[inline(always)]
     fn run(self) -> ChordFits {
-        let FitLanes { fitter, abreast, asked, degrees, rounds } = self;
+        let FitChords { fitter, abreast, asked, degrees, rounds } = self;
         let counts = abreast.counts;
         let carried = counts.map(|count| (2..=4).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
         for _ in 0..rounds {
@@ -109,7 +109,7 @@ impl Kernel for FitLanes<'_> {
 
 impl ChordFitter {
     pub(in crate::curvature::fit) fn new() -> Self {
-        ChordFitter { samples: Samples::default() }
+        ChordFitter { heights: Heights::default() }
     }
 
     /// Fits polynomials to samples around the origins of their frames, none of them further from it than about a unit:
@@ -122,7 +122,7 @@ impl ChordFitter {
         degrees: [usize; LANES],
         rounds: usize,
     ) -> ChordFits {
-        run(FitLanes { fitter: self, abreast, asked, degrees, rounds })
+        run(FitChords { fitter: self, abreast, asked, degrees, rounds })
     }
 }
 
@@ -147,19 +147,19 @@ impl ChordFits {
     }
 
     /// Variance of a lane's samples about the surface of a degree, in file units squared.
-    pub(in crate::curvature::fit) fn deviation_squared(&self, lane: usize, degree: usize, frame: &Frame) -> f64 {
+    pub(in crate::curvature::fit) fn deviation_squared(&self, lane: usize, degree: usize, frame: &LocalFrame) -> f64 {
         let left = (self.counts[lane] - terms(degree)) as f64;
         self.models[degree].residual.0[lane] * frame.unit.powi(2) / left
     }
 
     /// Variance of the shape tensor at the middle (its squared Frobenius norm) for samples of unit
     /// variance, 1/length^4.
-    pub(in crate::curvature::fit) fn tensor_variance(&self, lane: usize, degree: usize, frame: &Frame) -> f64 {
+    pub(in crate::curvature::fit) fn tensor_variance(&self, lane: usize, degree: usize, frame: &LocalFrame) -> f64 {
         self.models[degree].variance.0[lane] / frame.unit.powi(4)
     }
 
     /// The frame that a lane's surface lies flat in at its middle: for a fit to a larger window.
-    pub(in crate::curvature::fit) fn settled(&self, lane: usize, frame: &Frame) -> Option<Frame> {
+    pub(in crate::curvature::fit) fn settled(&self, lane: usize, frame: &LocalFrame) -> Option<LocalFrame> {
         let [c, x, y] = [0, 1, 2].map(|i| self.models[self.highest[lane]].coefficients[i].0[lane]);
         frame.moved(c, x, y)
     }
@@ -168,7 +168,7 @@ impl ChordFits {
     /// within the window, if it is smooth, and whatever else there is, if it is not. Each has the more weight the less
     /// its misfit makes its shape tensor uncertain. With the samples' standard deviation, in file units, and the
     /// standard error of the tensor, 1/length.
-    pub(in crate::curvature::fit) fn mean(&self, lane: usize, frame: Frame) -> (Chord, f64, f64) {
+    pub(in crate::curvature::fit) fn mean(&self, lane: usize, frame: LocalFrame) -> (Chord, f64, f64) {
         let [low, high] = [2, self.highest[lane]].map(|degree| {
             let square = self.deviation_squared(lane, degree, &frame);
             (
@@ -186,7 +186,7 @@ impl ChordFits {
         (Chord { frame, coefficients }, between(low.1, high.1), between(low.2, high.2))
     }
 
-    pub(in crate::curvature::fit) fn surface(&self, lane: usize, degree: usize, frame: Frame) -> Chord {
+    pub(in crate::curvature::fit) fn surface(&self, lane: usize, degree: usize, frame: LocalFrame) -> Chord {
         Chord { frame, coefficients: self.models[degree].coefficients.map(|c| c.0[lane]) }
     }
 }
@@ -211,7 +211,7 @@ mod tests {
         let mut abreast = Abreast::new();
         abreast.load(
             2,
-            Frame { origin: DVec3::new(0.0, 0.0, 0.1), axes, unit: 2.5 },
+            LocalFrame { origin: DVec3::new(0.0, 0.0, 0.1), axes, unit: 2.5 },
             samples.iter().map(|&p| (p, 1.0)),
         );
         let fits = ChordFitter::new().fit(&mut abreast, &[3], [4; LANES], 6);

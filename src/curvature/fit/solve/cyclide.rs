@@ -3,7 +3,7 @@
 use super::abreast::Abreast;
 use super::equations::{Factor, Normal, residual};
 use super::prior::priors;
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::fit::surface::implicit::Implicit;
 use crate::curvature::fit::surface::polynomial::{CYCLIDE, MOST, PARABOLOID, Polynomial, basis};
 use crate::curvature::vectors::four::{F4, Kernel, LANES, Real, V3, run, which};
@@ -45,7 +45,7 @@ impl CyclideFitter {
 
     /// Fits the windows; `noise` is the standard deviation of their samples, in file units.
     pub(in crate::curvature::fit) fn fit(&mut self, abreast: &Abreast, noise: F4) -> Cyclides {
-        run(FitLanes { fitter: self, abreast, noise })
+        run(FitCyclides { fitter: self, abreast, noise })
     }
 
     #[inline(always)]
@@ -92,19 +92,19 @@ fn scaled(mut row: [F4; CYCLIDE], by: F4) -> [F4; CYCLIDE] {
     row
 }
 
-struct FitLanes<'f> {
+struct FitCyclides<'f> {
     fitter: &'f mut CyclideFitter,
     abreast: &'f Abreast,
     noise: F4,
 }
 
-impl Kernel for FitLanes<'_> {
+impl Kernel for FitCyclides<'_> {
     type Output = Cyclides;
 
     #[inline(always)]
     fn run(self) -> Cyclides {
         const ROUNDS: usize = 1;
-        let FitLanes { fitter, abreast, noise } = self;
+        let FitCyclides { fitter, abreast, noise } = self;
         let (frames, roots) = (abreast.frames, &abreast.roots[..]);
         let noise = noise / frames.unit;
         fitter.points.clear();
@@ -136,7 +136,7 @@ impl Kernel for FitLanes<'_> {
 impl Cyclides {
     /// The surface of a lane, in the frame it was fitted in; `None` where it folds, is far from a sample, or the
     /// samples are too few.
-    pub(in crate::curvature::fit) fn of(&self, lane: usize, frame: Frame) -> Option<Cyclide> {
+    pub(in crate::curvature::fit) fn of(&self, lane: usize, frame: LocalFrame) -> Option<Cyclide> {
         let mut f = Polynomial { coefficients: [0.0; MOST], size: CYCLIDE };
         f.coefficients.iter_mut().zip(&self.coefficients).for_each(|(to, from)| *to = from.0[lane]);
         let tensor_variance = self.variance.0[lane] / frame.unit.powi(4);

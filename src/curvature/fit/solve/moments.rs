@@ -10,7 +10,7 @@ use crate::curvature::vectors::four::F4;
 /// Samples of heights z over (x, y), four windows side by side, each as its weight says; a weight of zero where a lane
 /// has no more.
 #[derive(Default)]
-pub(super) struct Samples {
+pub(super) struct Heights {
     pub(super) x: Vec<F4>,
     pub(super) y: Vec<F4>,
     pub(super) z: Vec<F4>,
@@ -20,7 +20,7 @@ pub(super) struct Samples {
 /// Sums of w x^i y^j by j and i.
 type Sums = [[F4; 2 * HIGHEST + 1]; 2 * HIGHEST + 1];
 
-impl Samples {
+impl Heights {
     pub(super) fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.z, &mut self.weights].into_iter().for_each(Vec::clear);
     }
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn a_quartic_is_found_again_and_leaves_nothing() {
         let wanted: [f64; WIDEST] = std::array::from_fn(|i| 0.3 - 0.05 * (i * 7 % 11) as f64);
-        let mut samples = Samples::default();
+        let mut samples = Heights::default();
         for n in 0..90 {
             let (x, y) = ((f64::from(n) * 0.37).sin(), (f64::from(n) * 0.61).cos());
             let z: f64 = row(x, y).iter().zip(&wanted).map(|(f, c)| f * c).sum();

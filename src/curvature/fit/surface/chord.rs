@@ -10,7 +10,7 @@
 
 use super::bivariate::{HIGHEST, WIDEST, value};
 use super::foot::{Below, Foot};
-use super::frame::Frame;
+use super::frame::LocalFrame;
 use super::polynomial::Symmetric;
 use super::shape::Shape;
 use crate::curvature::vectors::four::{F4, Real, V3};
@@ -19,7 +19,7 @@ use glam::DVec3;
 /// A fitted surface patch. The frame's unit is the radius of its window.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::curvature::fit) struct Chord {
-    pub(in crate::curvature::fit) frame: Frame,
+    pub(in crate::curvature::fit) frame: LocalFrame,
     pub(in crate::curvature::fit) coefficients: [f64; WIDEST],
 }
 
@@ -150,7 +150,7 @@ fn foot_of<T: Real>(c: &[T; WIDEST], p: V3<T>) -> Foot<T> {
 
 impl Chord {
     /// The plane that a frame lies in.
-    pub(in crate::curvature::fit) fn plane(frame: Frame) -> Self {
+    pub(in crate::curvature::fit) fn plane(frame: LocalFrame) -> Self {
         Chord { frame, coefficients: [0.0; WIDEST] }
     }
 

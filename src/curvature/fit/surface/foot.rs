@@ -1,6 +1,6 @@
 //! What a fitted surface looks like below a point, for one surface or several side by side.
 
-use super::frame::Frame;
+use super::frame::LocalFrame;
 use super::polynomial::{Polynomial, Symmetric};
 use super::shape::Shape;
 use crate::curvature::vectors::four::{F4, Real, V3};
@@ -50,7 +50,7 @@ impl<T: Real> Foot<T> {
 
 impl Foot<f64> {
     /// Height and shape in space; `None` where the surface has turned over or a number is not finite.
-    pub(super) fn in_space(&self, frame: &Frame) -> Option<(f64, Shape)> {
+    pub(super) fn in_space(&self, frame: &LocalFrame) -> Option<(f64, Shape)> {
         let local = DMat3::from(self.tensor);
         let tensor = frame.axes * local * frame.axes.transpose() * (1.0 / frame.unit);
         let normal = frame.axes * DVec3::from(self.normal);
@@ -69,7 +69,7 @@ pub(in crate::curvature::fit) struct Sides {
 
 impl Sides {
     #[inline(always)]
-    pub(in crate::curvature::fit) fn of(frame: &Frame) -> Self {
+    pub(in crate::curvature::fit) fn of(frame: &LocalFrame) -> Self {
         let DMat3 { x_axis, y_axis, z_axis } = frame.axes;
         Sides { origin: frame.origin, axes: [x_axis, y_axis, z_axis].map(V3::splat), unit: frame.unit }
     }

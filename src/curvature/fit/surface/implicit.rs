@@ -1,7 +1,7 @@
 //! A fitted implicit surface in space.
 
 use super::foot::Foot;
-use super::frame::Frame;
+use super::frame::LocalFrame;
 use super::polynomial::{CYCLIDE, MOST, Polynomial};
 use super::shape::Shape;
 use crate::curvature::vectors::four::{F4, Real};
@@ -10,7 +10,7 @@ use glam::DVec3;
 /// The surface F = 0 in a frame of its own.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::curvature::fit) struct Implicit {
-    pub(in crate::curvature::fit) frame: Frame,
+    pub(in crate::curvature::fit) frame: LocalFrame,
     pub(in crate::curvature::fit) f: Polynomial<f64>,
 }
 

@@ -7,7 +7,7 @@ use crate::curvature::fit::ground::Ground;
 use crate::curvature::fit::ground::lists::Lists;
 use crate::curvature::fit::surface::chord::Chord;
 use crate::curvature::fit::surface::foot::{Below, Sides};
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::fit::surface::implicit::Implicit;
 use crate::curvature::fit::surface::polynomial::Symmetric;
 use crate::curvature::fit::surface::shape::Shape;
@@ -133,7 +133,7 @@ impl Kernel for AddPatch<'_> {
 
 impl AddPatch<'_> {
     #[inline(always)]
-    fn add(self, frame: &Frame, surface: &impl Below) {
+    fn add(self, frame: &LocalFrame, surface: &impl Below) {
         let AddPatch { patch, reached, first, faces, sums } = self;
         let sides = Sides::of(frame);
         let Patch { centre, reach, error, doubt, noise, .. } = *patch;

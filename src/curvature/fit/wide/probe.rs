@@ -6,7 +6,7 @@ use crate::curvature::fit::ground::fans::Fans;
 use crate::curvature::fit::solve::abreast::Abreast;
 use crate::curvature::fit::solve::chord_fitter::{ChordFits, ChordFitter};
 use crate::curvature::fit::solve::cyclide::{Cyclide, CyclideFitter};
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::fit::surface::polynomial::CYCLIDE;
 use crate::curvature::vectors::four::{F4, LANES};
 use crate::mesh::Face;
@@ -38,7 +38,7 @@ pub(super) struct Probe {
     /// choice then.
     pub(super) neighbours: Vec<u32>,
     /// The frame of the largest window so far.
-    pub(super) frame: Option<Frame>,
+    pub(super) frame: Option<LocalFrame>,
     /// False where a larger window would be in vain.
     goes_on: bool,
     /// As [`HOPELESS`], for this seed.
@@ -69,7 +69,7 @@ pub(super) struct Choice {
     /// True where noise is alike at neighbouring samples.
     pub(super) is_alike: bool,
     /// The frame to begin with.
-    pub(super) frame: Option<Frame>,
+    pub(super) frame: Option<LocalFrame>,
 }
 
 /// Fits windows around four seeds at a time; one per thread.
@@ -92,10 +92,10 @@ impl<'g> Prober<'g> {
 
     /// Loads the nearest vertices of a seed that its sampler has started at, in a frame known from a smaller window if
     /// there is one. False where there are too few.
-    fn load(&mut self, lane: usize, centre: DVec3, count: usize, known: Option<Frame>) -> bool {
+    fn load(&mut self, lane: usize, centre: DVec3, count: usize, known: Option<LocalFrame>) -> bool {
         let sampler = &mut self.samplers[lane];
         let Some(frame) = sampler.take_nearest(centre, count) else { return false };
-        let frame = known.map_or(frame, |known| Frame { unit: frame.unit, ..known });
+        let frame = known.map_or(frame, |known| LocalFrame { unit: frame.unit, ..known });
         self.abreast.load(lane, frame, sampler.points.iter().map(|&p| (p, 1.0)));
         true
     }
@@ -256,7 +256,7 @@ impl Probe {
     }
 
     /// Adds a level with its polynomials, and returns the variance of the samples about the one of the highest degree.
-    fn add(&mut self, fits: &ChordFits, lane: usize, frame: Frame, centre: DVec3) -> f64 {
+    fn add(&mut self, fits: &ChordFits, lane: usize, frame: LocalFrame, centre: DVec3) -> f64 {
         let mut level = Level::NONE;
         let highest = fits.highest(lane);
         for (model, &degree) in DEGREES.iter().enumerate().filter(|(_, d)| **d <= highest) {

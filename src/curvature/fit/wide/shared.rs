@@ -80,7 +80,7 @@ pub(in crate::curvature::fit) fn estimate(
         let windows: Vec<Option<(Patch, f64)>> = places
             .par_chunks(CHUNK)
             .map_init(
-                || Surveyor::new(fans, cells.as_ref(), quantum),
+                || WindowFitter::new(fans, cells.as_ref(), quantum),
                 |surveyor, some| {
                     ground.work.advance_by(0.8, some.len(), places.len());
                     let fours = some.chunks(LANES);
@@ -105,22 +105,22 @@ pub(in crate::curvature::fit) fn estimate(
 }
 
 /// Fits windows to places; one per thread.
-struct Surveyor<'g> {
+struct WindowFitter<'g> {
     quantum: &'g Quantum,
     of_cells: Option<Steady<'g, Cells<'g>>>,
     of_fans: Steady<'g, Fans<'g>>,
     sampler: Sampler<'g, Fans<'g>>,
 }
 
-impl<'g> Surveyor<'g> {
+impl<'g> WindowFitter<'g> {
     fn new(fans: &'g Fans<'g>, cells: Option<&'g Cells<'g>>, quantum: &'g Quantum) -> Self {
         let (of_cells, of_fans) = (cells.map(Steady::new), Steady::new(fans));
-        Surveyor { quantum, of_cells, of_fans, sampler: Sampler::new(fans) }
+        WindowFitter { quantum, of_cells, of_fans, sampler: Sampler::new(fans) }
     }
 
     /// What windows around up to four places say, with their coverages.
     fn fitted(&mut self, places: &[(Face, f64)]) -> [Option<(Fitted, f64)>; LANES] {
-        let Surveyor { quantum, of_cells, of_fans, .. } = self;
+        let WindowFitter { quantum, of_cells, of_fans, .. } = self;
         let Some(of_cells) = of_cells else { return of_fans.within(places, quantum) };
         let mut fitted = of_cells.within(places, quantum);
         // Where faces are large against the radius, cells are too few.

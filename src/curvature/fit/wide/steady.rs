@@ -12,7 +12,7 @@ use crate::curvature::fit::ground::sites::Sites;
 use crate::curvature::fit::solve::abreast::Abreast;
 use crate::curvature::fit::solve::chord_fitter::ChordFitter;
 use crate::curvature::fit::surface::chord::Chord;
-use crate::curvature::fit::surface::frame::Frame;
+use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::vectors::four::LANES;
 use crate::mesh::Face;
 use glam::DVec3;
@@ -33,7 +33,7 @@ pub(in crate::curvature::fit) struct Steady<'g, S> {
 
 /// A window that its sampler has taken.
 struct Taken {
-    frame: Frame,
+    frame: LocalFrame,
     /// Where the surface is looked at.
     centre: DVec3,
     /// Of the polynomial, at most.
@@ -173,7 +173,7 @@ impl<'g, S: Sites> Steady<'g, S> {
                 + 1e-14 * frame.unit;
             let is_plane = |&p: &DVec3| (p - centre).dot(normal).abs() <= reach;
             if reach < STEEPEST * frame.unit && sampler.points.iter().all(is_plane) {
-                let surface = Chord::plane(Frame::upright(centre, normal, frame.unit)?);
+                let surface = Chord::plane(LocalFrame::upright(centre, normal, frame.unit)?);
                 let error = reach / frame.unit.powi(2);
                 flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, is_firm: true });
                 return None;
