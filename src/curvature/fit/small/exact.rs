@@ -159,11 +159,12 @@ impl Kernel for FitExact<'_> {
         fits.needs_rulings = which(|i| least.0[i] < SINGULAR && batch.rulings[i].is_empty());
         factor.add_priors(&priors(factor.paraboloid(), rounding));
         factor.factor(CYCLIDE);
-        let mut models = [SizedModel::ZERO; 4];
-        for (m, model) in models.iter_mut().enumerate() {
-            let coefficients = factor.solve(SIZES[m]);
-            model.residual = residual(&windows.rows, &windows.values, &coefficients, SIZES[m]);
-            model.cost = (model.residual + floor) * penalties[m];
+        let [simple_penalties @ .., wide_penalty] = penalties;
+        let mut models = [SizedModel::ZERO; SIZES.len() - 1];
+        for ((model, &penalty), size) in models.iter_mut().zip(&simple_penalties).zip(SIZES) {
+            let coefficients = factor.solve(size);
+            model.residual = residual(&windows.rows, &windows.values, &coefficients, size);
+            model.cost = (model.residual + floor) * penalty;
             model.coefficients[..CYCLIDE].copy_from_slice(&coefficients);
         }
         let reach = batch.reaches / axes.unit;
@@ -180,7 +181,7 @@ impl Kernel for FitExact<'_> {
             simple.found[i] && is_unexplained && batch.counts[i] >= MOST + 2 && !fits.is_flat[i] && !has_rulings
         });
         if wants_more.contains(&true) {
-            let (wide, wide_error) = windows.fit_wide(batch, rounding, floor, penalties[4]);
+            let (wide, wide_error) = windows.fit_wide(batch, rounding, floor, wide_penalty);
             let wide_surface = Polynomial { coefficients: wide.coefficients, size: MOST };
             let is_sane = Sanity { windows, reach }.passes(&wide_surface);
             for i in 0..LANES {

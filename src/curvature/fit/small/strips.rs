@@ -9,6 +9,7 @@ use super::first::{Quality, Reading, Surveyor};
 use crate::curvature::fit::around::rulings::{Folds, rulings};
 use crate::curvature::fit::around::window::StripWindow;
 use crate::curvature::fit::ground::normals::scaled_normal;
+use crate::curvature::fit::surface::polynomial::PLANE;
 use crate::curvature::vectors::four::LANES;
 use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::DVec3;
@@ -180,7 +181,7 @@ pub(in crate::curvature::fit) fn reading(
     let seed = Some(quality.seed).filter(|_| quality.misfit.is_finite());
     let fit = seed.and_then(|seed| surveyor.fit(seed));
     // A plane that does not explain its window says nothing of its error.
-    let own = fit.filter(|f| f.surface.f.size > 3 || !quality.is_uneven).map_or(f64::INFINITY, |fit| fit.error);
+    let own = fit.filter(|f| f.surface.f.size > PLANE || !quality.is_uneven).map_or(f64::INFINITY, |fit| fit.error);
     let is_uneven = quality.is_uneven || own.is_infinite();
     let along = curvature_along(mesh, face, long_edges(mesh, face, LONG)?);
     let middle = strip.bounds[strip.middle]..strip.bounds[strip.middle + 1];

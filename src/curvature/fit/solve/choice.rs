@@ -1,6 +1,6 @@
 //! The choice among models of different size, in each lane for itself.
 
-use crate::curvature::fit::surface::polynomial::{MOST, Polynomial, SIZES};
+use crate::curvature::fit::surface::polynomial::{MOST, PLANE, Polynomial, SIZES};
 use crate::curvature::vectors::four::{F4, LANES, which};
 
 /// What a model of some size makes of the windows.
@@ -37,7 +37,7 @@ impl SizedModel {
 impl Chosen {
     pub(in crate::curvature::fit) const NONE: Chosen = Chosen {
         coefficients: [F4::ZERO; MOST],
-        sizes: [SIZES[0]; LANES],
+        sizes: [PLANE; LANES],
         residual: F4::ZERO,
         cost: F4::ZERO,
         found: [false; LANES],
@@ -100,7 +100,7 @@ impl Chosen {
 /// cross-validation and Schwarz' criterion, step by step. Infinite for sizes that leave fewer than two points over.
 pub(in crate::curvature::fit) fn penalties(count: usize) -> [f64; SIZES.len()] {
     let n = count as f64;
-    let (mut penalty, mut before) = (0.0, SIZES[0] as f64);
+    let (mut penalty, mut before) = (0.0, PLANE as f64);
     SIZES.map(|size| {
         if size + 2 > count {
             return f64::INFINITY;

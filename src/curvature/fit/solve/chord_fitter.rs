@@ -3,7 +3,7 @@
 use super::abreast::Abreast;
 use super::equations::Factor;
 use super::moments::Heights;
-use crate::curvature::fit::surface::bivariate::{WIDEST, terms};
+use crate::curvature::fit::surface::bivariate::{CUBIC, HIGHEST, QUADRATIC, WIDEST, terms};
 use crate::curvature::fit::surface::chord::{Chord, chord};
 use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::vectors::four::{F4, Kernel, LANES, run};
@@ -17,7 +17,7 @@ pub(in crate::curvature::fit) struct ChordFitter {
 /// The fits to four windows, whose frames they have moved.
 pub(in crate::curvature::fit) struct ChordFits {
     /// By degree.
-    models: [DegreeModel; 5],
+    models: [DegreeModel; HIGHEST + 1],
     highest: [usize; LANES],
     counts: [usize; LANES],
 }
@@ -55,10 +55,10 @@ impl ChordFitter {
         asked: &[usize],
         highest: [usize; LANES],
         most: usize,
-    ) -> [DegreeModel; 5] {
+    ) -> [DegreeModel; HIGHEST + 1] {
         let factor = self.factor::<N>(abreast, most);
-        let mut models = [DegreeModel::ZERO; 5];
-        for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(2) {
+        let mut models = [DegreeModel::ZERO; HIGHEST + 1];
+        for (degree, model) in models.iter_mut().enumerate().take(most + 1).skip(QUADRATIC) {
             if !asked.contains(&degree) && !highest.contains(&degree) {
                 continue;
             }
@@ -91,17 +91,17 @@ impl Kernel for FitChords<'_> {
     fn run(self) -> ChordFits {
         let FitChords { fitter, abreast, asked, degrees, rounds } = self;
         let counts = abreast.counts;
-        let carried = counts.map(|count| (2..=4).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
+        let carried = counts.map(|count| (QUADRATIC..=HIGHEST).rev().find(|&d| terms(d) + 3 <= count).unwrap_or(0));
         for _ in 0..rounds {
-            let factor = fitter.factor::<{ terms(3) }>(abreast, 3);
-            let c = factor.solve_each(carried.map(|degree| terms(degree.min(3))));
+            let factor = fitter.factor::<{ terms(CUBIC) }>(abreast, CUBIC);
+            let c = factor.solve_each(carried.map(|degree| terms(degree.min(CUBIC))));
             abreast.frames = abreast.frames.moved(c[0], c[1], c[2]);
         }
         let highest: [usize; LANES] = std::array::from_fn(|lane| carried[lane].min(degrees[lane]));
         let models = match highest.into_iter().max() {
-            Some(4) => fitter.models::<{ terms(4) }>(abreast, asked, highest, 4),
-            Some(3) => fitter.models::<{ terms(3) }>(abreast, asked, highest, 3),
-            _ => fitter.models::<{ terms(2) }>(abreast, asked, highest, 2),
+            Some(HIGHEST) => fitter.models::<WIDEST>(abreast, asked, highest, HIGHEST),
+            Some(CUBIC) => fitter.models::<{ terms(CUBIC) }>(abreast, asked, highest, CUBIC),
+            _ => fitter.models::<{ terms(QUADRATIC) }>(abreast, asked, highest, QUADRATIC),
         };
         ChordFits { models, highest, counts }
     }
@@ -138,7 +138,7 @@ impl ChordFits {
         /// Variance of the tensor, in units of the frame, times the number of samples: about 700 for a disk of them,
         /// 5,000 for some beside sharp edges and on scans, and 1e13 on two rims.
         const MOST: f64 = 10_000.0;
-        self.models[2].variance.0[lane] * self.counts[lane] as f64 <= MOST
+        self.models[QUADRATIC].variance.0[lane] * self.counts[lane] as f64 <= MOST
     }
 
     /// The highest degree of a lane that was asked for and that its samples carry.
@@ -169,7 +169,7 @@ impl ChordFits {
     /// its misfit makes its shape tensor uncertain. With the samples' standard deviation, in file units, and the
     /// standard error of the tensor, 1/length.
     pub(in crate::curvature::fit) fn mean(&self, lane: usize, frame: LocalFrame) -> (Chord, f64, f64) {
-        let [low, high] = [2, self.highest[lane]].map(|degree| {
+        let [low, high] = [QUADRATIC, self.highest[lane]].map(|degree| {
             let square = self.deviation_squared(lane, degree, &frame);
             (
                 self.surface(lane, degree, frame),

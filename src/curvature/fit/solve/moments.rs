@@ -4,7 +4,7 @@
 //! a quartic. Only these are summed, and no row of monomials is ever written to memory.
 
 use super::equations::Normal;
-use crate::curvature::fit::surface::bivariate::{HIGHEST, POWERS, WIDEST, value};
+use crate::curvature::fit::surface::bivariate::{CUBIC, HIGHEST, POWERS, QUADRATIC, WIDEST, value};
 use crate::curvature::vectors::four::F4;
 
 /// Samples of heights z over (x, y), four windows side by side, each as its weight says; a weight of zero where a lane
@@ -58,9 +58,9 @@ impl Heights {
     #[inline(always)]
     pub(super) fn residual(&self, degree: usize, c: &[F4; WIDEST]) -> F4 {
         match degree {
-            2 => self.residual_of::<2>(c),
-            3 => self.residual_of::<3>(c),
-            _ => self.residual_of::<4>(c),
+            QUADRATIC => self.residual_of::<QUADRATIC>(c),
+            CUBIC => self.residual_of::<CUBIC>(c),
+            _ => self.residual_of::<HIGHEST>(c),
         }
     }
 

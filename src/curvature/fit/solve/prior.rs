@@ -1,11 +1,14 @@
 //! What is expected of the terms beyond the paraboloid: where rounding or noise is strong, terms that a
 //! surface bending as this one does has no use for stay small.
 
-use crate::curvature::fit::surface::polynomial::PARABOLOID;
+use crate::curvature::fit::surface::polynomial::{CYCLIDE, PARABOLOID, QUADRIC};
 use crate::curvature::vectors::four::Real;
 
 /// Radians that the surface turns by over the window, below which priors do not get any narrower.
 const LEAST_BEND: f64 = 0.03;
+
+/// Where the terms of degree 4 in x and y begin, behind those of degree 3.
+const QUARTIC: usize = CYCLIDE + 4;
 
 /// What to add to the diagonal of the normal equations in each column, from the coefficients of the
 /// paraboloid and the noise of the samples, in units of the frame.
@@ -19,8 +22,8 @@ pub(in crate::curvature::fit) fn priors<T: Real, const N: usize>([a, b, c]: [T; 
     let mut priors = [T::splat(0.0); N];
     for (column, prior) in priors.iter_mut().enumerate().skip(PARABOLOID) {
         *prior = match column {
-            6..=8 => first,
-            9..=16 => second,
+            PARABOLOID..QUADRIC => first,
+            QUADRIC..QUARTIC => second,
             _ => third,
         };
     }

@@ -2,6 +2,9 @@
 
 use crate::curvature::vectors::four::Real;
 
+/// Degrees of polynomials that bend.
+pub(in crate::curvature::fit) const QUADRATIC: usize = 2;
+pub(in crate::curvature::fit) const CUBIC: usize = 3;
 /// The highest degree of a polynomial, and its number of terms.
 pub(in crate::curvature::fit) const HIGHEST: usize = 4;
 pub(in crate::curvature::fit) const WIDEST: usize = terms(HIGHEST);

@@ -21,6 +21,8 @@ pub(in crate::curvature::fit) const SIZES: [usize; 5] = [3, 6, 9, 13, 22];
 pub(in crate::curvature::fit) const PLANE: usize = SIZES[0];
 /// Of that of paraboloids.
 pub(in crate::curvature::fit) const PARABOLOID: usize = SIZES[1];
+/// Of that of all quadrics.
+pub(in crate::curvature::fit) const QUADRIC: usize = SIZES[2];
 /// Of that of Darboux cyclides.
 pub(in crate::curvature::fit) const CYCLIDE: usize = SIZES[3];
 /// Of the largest one.
@@ -127,17 +129,17 @@ impl<T: Real> Polynomial<T> {
         let c = &self.coefficients;
         let V3 { x, y, z } = p;
         let mut sum = c[0] + c[1] * x + c[2] * y;
-        if self.size > 3 {
+        if self.size > PLANE {
             sum += (c[3] * x + c[4] * y) * x + c[5] * (y * y);
         }
-        if self.size > 6 {
+        if self.size > PARABOLOID {
             sum += (c[6] * x + c[7] * y + c[8] * z) * z;
         }
-        if self.size > 9 {
+        if self.size > QUADRIC {
             let s = p.dot(p);
             sum += (c[9] * x + c[10] * y + c[11] * z + c[12] * s) * s;
         }
-        if self.size > 13 {
+        if self.size > CYCLIDE {
             let (xx, xy, yy) = (x * x, x * y, y * y);
             sum += (c[13] * x + c[14] * y) * xx + (c[15] * x + c[16] * y) * yy;
             sum += (c[17] * xx + c[18] * xy + c[19] * yy) * xx + (c[20] * xy + c[21] * yy) * yy;
@@ -151,21 +153,21 @@ impl<T: Real> Polynomial<T> {
         let c = &self.coefficients;
         let V3 { x, y, z } = p;
         let mut sum = V3::new(c[1], c[2], T::splat(0.0));
-        if self.size > 3 {
+        if self.size > PLANE {
             sum.x += c[3] * x * 2.0 + c[4] * y;
             sum.y += c[4] * x + c[5] * y * 2.0;
         }
-        if self.size > 6 {
+        if self.size > PARABOLOID {
             sum.x += c[6] * z;
             sum.y += c[7] * z;
             sum.z += c[6] * x + c[7] * y + c[8] * z * 2.0;
         }
-        if self.size > 9 {
+        if self.size > QUADRIC {
             let s = p.dot(p);
             let l = V3::new(c[9], c[10], c[11]);
             sum = sum + l.scaled(s) + p.scaled(l.dot(p) * 2.0 + c[12] * s * 4.0);
         }
-        if self.size > 13 {
+        if self.size > CYCLIDE {
             let (xx, xy, yy) = (x * x, x * y, y * y);
             sum.x += c[13] * xx * 3.0 + c[14] * xy * 2.0 + c[15] * yy;
             sum.x += c[17] * xx * x * 4.0 + c[18] * xx * y * 3.0 + c[19] * x * yy * 2.0 + c[20] * yy * y;
@@ -183,10 +185,10 @@ impl<T: Real> Polynomial<T> {
         let zero = T::splat(0.0);
         let (mut xx, mut xy, mut yy) = (c[3] * 2.0, c[4], c[5] * 2.0);
         let (mut xz, mut yz, mut zz) = (zero, zero, zero);
-        if self.size > 6 {
+        if self.size > PARABOLOID {
             (xz, yz, zz) = (c[6], c[7], c[8] * 2.0);
         }
-        if self.size > 9 {
+        if self.size > QUADRIC {
             // Of s (l . p): p l' + l p' from the gradient of s, twice, and 2 (l . p) on the diagonal.
             let l = V3::new(c[9], c[10], c[11]);
             let diagonal = l.dot(p) * 2.0 + c[12] * p.dot(p) * 4.0;
@@ -198,7 +200,7 @@ impl<T: Real> Polynomial<T> {
             xz += (l.x * z + l.z * x) * 2.0 + square * (x * z);
             yz += (l.y * z + l.z * y) * 2.0 + square * (y * z);
         }
-        if self.size > 13 {
+        if self.size > CYCLIDE {
             let (x2, x1y1, y2) = (x * x, x * y, y * y);
             xx += c[13] * x * 6.0 + c[14] * y * 2.0 + c[17] * x2 * 12.0 + c[18] * x1y1 * 6.0 + c[19] * y2 * 2.0;
             xy += (c[14] * x + c[15] * y) * 2.0 + c[18] * x2 * 3.0 + c[19] * x1y1 * 4.0 + c[20] * y2 * 3.0;

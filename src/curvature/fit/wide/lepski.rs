@@ -6,12 +6,7 @@
 //! statistics are means over neighbouring seeds.
 
 use super::kind::{Noise, SMOOTH};
-use super::probe::{Choice, FIRST_CYCLIDE, LEVELS, MODELS, POLYNOMIALS, Probe, spread, unexplained};
-
-/// All models of all levels, level by level.
-const CANDIDATES: usize = LEVELS.len() * MODELS;
-/// The model of the highest degree among the polynomials.
-const QUARTIC: usize = 1;
+use super::probe::{ByCandidate, Candidate, Choice, FIRST_CYCLIDE, Found, LEVELS, Model, Probe, spread, unexplained};
 
 /// Vertices that the windows of the seeds around hold beyond those of one.
 const AROUND: f64 = 100.0;
@@ -24,15 +19,15 @@ struct Around<'p> {
     /// Those that have been looked at with windows of a level.
     looked: [Vec<&'p Probe>; LEVELS.len()],
     /// Variances of the tensors for samples of unit variance.
-    unit: [f64; CANDIDATES],
+    unit: ByCandidate<f64>,
     /// Variances of the samples.
-    misfit: [f64; CANDIDATES],
+    misfit: ByCandidate<f64>,
 }
 
 /// The choice for a seed, or none where the surface is smooth.
 pub(super) fn choose(probe: &Probe, probes: &[Probe], kind: Noise) -> Option<Choice> {
     let around = Around::new(probe, probes);
-    let quartic = |p: &Probe, level: usize| p.at(level).misfits[QUARTIC];
+    let quartic = |p: &Probe, level: usize| p.at(Candidate { level, model: Model::Quartic }).misfit;
     if mean(&around.probes, |p| (quartic(p, 1) / quartic(p, 0)).ln()).exp() > SMOOTH {
         return None;
     }
@@ -44,48 +39,42 @@ impl<'p> Around<'p> {
         let around: Vec<&Probe> = probe.neighbours.iter().map(|&i| &probes[i as usize]).collect();
         let looked: [Vec<&Probe>; LEVELS.len()] =
             std::array::from_fn(|level| around.iter().copied().filter(|p| p.levels() > level).collect());
-        let of_all = |of: &dyn Fn(&Probe, usize, usize) -> f64| -> [f64; CANDIDATES] {
-            std::array::from_fn(|j| mean(&looked[level_of(j)], |p| of(p, level_of(j), model_of(j))))
-        };
-        let unit = of_all(&|p, level, model| p.at(level).variances[model]);
-        let misfit = of_all(&|p, level, model| p.at(level).misfits[model]);
+        let of_all = |of: &dyn Fn(&Found) -> f64| ByCandidate::of(|j| mean(&looked[j.level], |p| of(p.at(j))));
+        let unit = of_all(&|found| found.variance);
+        let misfit = of_all(&|found| found.misfit);
         Around { probe, probes: around, looked, unit, misfit }
     }
 
-    fn is_there(&self, j: usize) -> bool {
-        self.unit[j].is_finite() && self.probe.may_have(level_of(j), model_of(j))
+    fn is_there(&self, j: Candidate) -> bool {
+        self.unit[j].is_finite() && self.probe.may_have(j)
     }
 
     /// A cyclide is believed where it explains its window better than a polynomial does.
-    fn is_believed(&self, j: usize) -> bool {
-        is_polynomial(j) || self.misfit[j] < self.misfit[j - 1]
+    fn is_believed(&self, j: Candidate) -> bool {
+        j.is_polynomial() || self.misfit[j] < self.misfit[j.quartic()]
     }
 
     /// The mean of a function of the squared distance of two candidates.
-    fn between(&self, i: usize, j: usize, of: impl Fn(f64) -> f64) -> f64 {
-        let tensor = |p: &Probe, j: usize| p.at(level_of(j)).tensors[model_of(j)];
-        let looked = &self.looked[level_of(i).max(level_of(j))];
-        mean(looked, |p| of(distance_squared(&tensor(p, i), &tensor(p, j))))
+    fn between(&self, i: Candidate, j: Candidate, of: impl Fn(f64) -> f64) -> f64 {
+        let looked = &self.looked[i.level.max(j.level)];
+        mean(looked, |p| of(distance_squared(&p.at(i).tensor, &p.at(j).tensor)))
     }
 
-    fn choice(&self, at: usize, risk: f64, noise: f64, is_alike: bool) -> Choice {
+    fn choice(&self, candidate: Candidate, risk: f64, noise: f64, is_alike: bool) -> Choice {
         let Probe { seed, frame, .. } = *self.probe;
-        let (level, model) = (level_of(at), model_of(at));
-        Choice { seed, level, model, error: risk.sqrt(), noise: noise.sqrt(), is_alike, frame }
+        Choice { seed, candidate, error: risk.sqrt(), noise: noise.sqrt(), is_alike, frame }
     }
 
     /// Where noise is alike at neighbouring samples, neither misfits nor covariances tell how much a fit is off by. But
     /// while noise prevails fits come nearer to each other from window to window, and where windows miss the surface
-    /// they part again. So the choice is the candidate that is nearest to its witness, the quartic that has some four
-    /// to twenty times its variance: that in the next smaller window, for cubics that in their own.
+    /// they part again. So the choice is the candidate that is nearest to its witness.
     fn nearest_to_witness(&self) -> Option<Choice> {
-        let apart = |j: usize| {
-            let level = if model_of(j) < QUARTIC { level_of(j) } else { level_of(j).checked_sub(1)? };
+        let apart = |j: Candidate| {
             // Not of squares: some seeds lie where fits are far off.
-            let apart = self.between(level * MODELS + QUARTIC, j, f64::sqrt);
+            let apart = self.between(j.witness()?, j, f64::sqrt);
             apart.is_finite().then_some((apart, j))
         };
-        let candidates = (0..CANDIDATES).filter(|&j| self.is_there(j) && self.is_believed(j));
+        let candidates = Candidate::all().filter(|&j| self.is_there(j) && self.is_believed(j));
         let (apart, at) = candidates.filter_map(apart).min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(self.choice(at, apart * apart, self.misfit[at], true))
     }
@@ -97,27 +86,26 @@ impl<'p> Around<'p> {
         let is_pooled = kind == Noise::Independent;
         // The least variance of samples about any fit, as large as it may be but for chance. The least one around each
         // seed is less than the noise: chance picks it. Cyclides in small windows leave less than the noise, too.
-        let pooled = (0..CANDIDATES)
-            .filter(|&j| self.is_there(j) && (is_polynomial(j) || level_of(j) > FIRST_CYCLIDE))
-            .map(|j| misfit[j] * (1.0 + spread(level_of(j), AROUND)))
+        let pooled = Candidate::all()
+            .filter(|&j| self.is_there(j) && (j.is_polynomial() || j.level > FIRST_CYCLIDE))
+            .map(|j| misfit[j] * (1.0 + spread(j.level, AROUND)))
             .fold(f64::INFINITY, f64::min);
         let noise = if is_pooled { pooled } else { mean(&self.probes, |p| p.noise) };
-        let variance = unit.map(|unit| noise * unit);
-        let detail = |j: usize| {
-            let level = level_of(j);
-            let chance = if is_pooled { spread(level, AROUND) } else { 2.0 * spread(level, 0.0) };
-            unexplained(misfit[j], noise, level, chance)
+        let variance = ByCandidate::of(|j| noise * unit[j]);
+        let detail = |j: Candidate| {
+            let chance = if is_pooled { spread(j.level, AROUND) } else { 2.0 * spread(j.level, 0.0) };
+            unexplained(misfit[j], noise, j.level, chance)
         };
         // Only polynomials that explain their window bear witness to the bias of others.
-        let is_witness: [bool; CANDIDATES] =
-            std::array::from_fn(|i| is_polynomial(i) && self.is_there(i) && (level_of(i) < 2 || detail(i) == 0.0));
+        let is_witness =
+            ByCandidate::of(|i| i.is_polynomial() && self.is_there(i) && (i.level < 2 || detail(i) == 0.0));
 
         // From the largest variance to the least, so that the bias of witnesses is known before they are asked.
-        let is_asked = |j: usize| self.is_there(j) && (self.is_believed(j) || is_witness[j]);
-        let mut order: Vec<usize> = (0..CANDIDATES).filter(|&j| is_asked(j)).collect();
+        let is_asked = |j: Candidate| self.is_there(j) && (self.is_believed(j) || is_witness[j]);
+        let mut order: Vec<Candidate> = Candidate::all().filter(|&j| is_asked(j)).collect();
         order.sort_by(|&i, &j| variance[j].total_cmp(&variance[i]));
-        let mut biases = [0.0_f64; CANDIDATES];
-        let mut best = (f64::INFINITY, usize::MAX);
+        let mut biases = ByCandidate::of(|_| 0.0_f64);
+        let mut best: Option<(f64, Candidate)> = None;
         for &j in &order {
             for &i in order.iter().filter(|&&i| is_witness[i]) {
                 if let Some(chance) = kind.chance(variance[i], variance[j]) {
@@ -128,25 +116,12 @@ impl<'p> Around<'p> {
                 }
             }
             let risk = variance[j] * (1.0 + detail(j)) + biases[j];
-            if self.is_believed(j) && risk < best.0 {
-                best = (risk, j);
+            if self.is_believed(j) && risk < best.map_or(f64::INFINITY, |best| best.0) {
+                best = Some((risk, j));
             }
         }
-        let (risk, at) = best;
-        (at != usize::MAX).then(|| self.choice(at, risk, noise, false))
+        best.map(|(risk, at)| self.choice(at, risk, noise, false))
     }
-}
-
-fn level_of(candidate: usize) -> usize {
-    candidate / MODELS
-}
-
-fn model_of(candidate: usize) -> usize {
-    candidate % MODELS
-}
-
-fn is_polynomial(candidate: usize) -> bool {
-    model_of(candidate) < POLYNOMIALS
 }
 
 /// The mean of what is a finite number.

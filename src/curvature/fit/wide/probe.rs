@@ -6,21 +6,20 @@ use crate::curvature::fit::ground::fans::Fans;
 use crate::curvature::fit::solve::abreast::Abreast;
 use crate::curvature::fit::solve::chord_fitter::{ChordFits, ChordFitter};
 use crate::curvature::fit::solve::cyclide::{Cyclide, CyclideFitter};
+use crate::curvature::fit::surface::bivariate::{CUBIC, HIGHEST};
 use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::fit::surface::polynomial::CYCLIDE;
 use crate::curvature::vectors::four::{F4, LANES};
 use crate::mesh::Face;
 use glam::{DMat3, DVec3};
-use std::ops::Range;
+use std::ops::{Index, IndexMut, Range};
 
+/// Degrees of the polynomials.
+const DEGREES: [usize; 2] = [CUBIC, HIGHEST];
 /// Vertices per window, by level.
 pub(super) const LEVELS: [usize; 8] = [28, 48, 81, 138, 234, 398, 676, 1150];
-const DEGREES: [usize; 2] = [3, 4];
 /// A patch is blended up to this share of its window's radius.
 const REACH: f64 = 0.85;
-/// The chord polynomials among the models of a level; the last model is a cyclide.
-pub(super) const POLYNOMIALS: usize = DEGREES.len();
-pub(super) const MODELS: usize = POLYNOMIALS + 1;
 /// The first level at which a cyclide is believed.
 pub(super) const FIRST_CYCLIDE: usize = 2;
 /// A larger window is not tried where the variance of samples has grown to this many times its least.
@@ -45,23 +44,44 @@ pub(super) struct Probe {
     hopeless: f64,
 }
 
-/// The fits to a window.
-#[derive(Clone, Copy)]
-pub(super) struct Level {
-    /// Upper triangles of shape tensors; NaN where there is no fit.
-    pub(super) tensors: [[f64; 6]; MODELS],
-    /// Variances of the tensors for samples of unit variance; infinite where there is no fit.
-    pub(super) variances: [f64; MODELS],
-    /// Variances of the samples about each fit; infinite where there is none.
-    pub(super) misfits: [f64; MODELS],
+/// What is fitted to a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Model {
+    /// Polynomials in chord coordinates.
+    Cubic,
+    Quartic,
+    Cyclide,
 }
+
+/// A model in the window of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Candidate {
+    pub(super) level: usize,
+    pub(super) model: Model,
+}
+
+/// A value for every candidate.
+pub(super) struct ByCandidate<T>([T; Candidate::COUNT]);
+
+/// The fit of a model to a window.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    /// Upper triangle of the shape tensor; NaN where there is no fit.
+    pub(super) tensor: [f64; 6],
+    /// Variance of the tensor for samples of unit variance; infinite where there is no fit.
+    pub(super) variance: f64,
+    /// Variance of the samples about the fit; infinite where there is none.
+    pub(super) misfit: f64,
+}
+
+/// The fits to a window.
+type Level = [Found; Model::ALL.len()];
 
 /// The window and the model for a seed.
 #[derive(Clone, Copy)]
 pub(super) struct Choice {
     pub(super) seed: Face,
-    pub(super) level: usize,
-    pub(super) model: usize,
+    pub(super) candidate: Candidate,
     /// Expected error of its shape tensor, 1/length.
     pub(super) error: f64,
     /// Standard deviation of the samples around, in file units.
@@ -78,6 +98,74 @@ pub(super) struct Prober<'g> {
     abreast: Abreast,
     chords: ChordFitter,
     cyclides: CyclideFitter,
+}
+
+impl Model {
+    pub(super) const ALL: [Model; 3] = [Model::Cubic, Model::Quartic, Model::Cyclide];
+
+    /// Of a polynomial.
+    fn degree(self) -> Option<usize> {
+        match self {
+            Model::Cubic => Some(CUBIC),
+            Model::Quartic => Some(HIGHEST),
+            Model::Cyclide => None,
+        }
+    }
+}
+
+impl Candidate {
+    const COUNT: usize = LEVELS.len() * Model::ALL.len();
+
+    /// Level by level.
+    pub(super) fn all() -> impl Iterator<Item = Candidate> {
+        (0..Candidate::COUNT).map(Candidate::numbered)
+    }
+
+    pub(super) fn is_polynomial(self) -> bool {
+        self.model != Model::Cyclide
+    }
+
+    /// The quartic in the same window.
+    pub(super) fn quartic(self) -> Candidate {
+        Candidate { model: Model::Quartic, ..self }
+    }
+
+    /// The quartic that has some four to twenty times its variance: that in the next smaller window, for cubics that in
+    /// their own.
+    pub(super) fn witness(self) -> Option<Candidate> {
+        let level = if self.model == Model::Cubic { self.level } else { self.level.checked_sub(1)? };
+        Some(Candidate { level, model: Model::Quartic })
+    }
+
+    fn numbered(number: usize) -> Self {
+        Candidate { level: number / Model::ALL.len(), model: Model::ALL[number % Model::ALL.len()] }
+    }
+
+    fn number(self) -> usize {
+        self.level * Model::ALL.len() + self.model as usize
+    }
+}
+
+impl<T> ByCandidate<T> {
+    pub(super) fn of(value: impl Fn(Candidate) -> T) -> Self {
+        ByCandidate(std::array::from_fn(|number| value(Candidate::numbered(number))))
+    }
+}
+
+impl<T> Index<Candidate> for ByCandidate<T> {
+    type Output = T;
+
+    #[inline]
+    fn index(&self, candidate: Candidate) -> &T {
+        &self.0[candidate.number()]
+    }
+}
+
+impl<T> IndexMut<Candidate> for ByCandidate<T> {
+    #[inline]
+    fn index_mut(&mut self, candidate: Candidate) -> &mut T {
+        &mut self.0[candidate.number()]
+    }
 }
 
 impl<'g> Prober<'g> {
@@ -113,7 +201,7 @@ impl<'g> Prober<'g> {
             if !probes.iter().any(|probe| probe.goes_on) {
                 break;
             }
-            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [4; LANES], if level == 0 { 2 } else { 0 });
+            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [HIGHEST; LANES], if level == 0 { 2 } else { 0 });
             let (mut deviations, mut frames) = ([0.0; LANES], [None; LANES]);
             for (lane, probe) in probes.iter_mut().enumerate().filter(|(_, probe)| probe.goes_on) {
                 frames[lane] = self.abreast.frame(lane).filter(|_| fits.is_carried(lane));
@@ -158,23 +246,23 @@ impl<'g> Prober<'g> {
         let mesh = self.samplers[0].ground().mesh;
         let mut order: Vec<usize> = (0..chosen.len()).collect();
         // Windows of one size side by side.
-        order.sort_by_key(|&i| (chosen[i].level, chosen[i].model));
+        order.sort_by_key(|&i| chosen[i].candidate);
         let mut patches: Vec<Option<Patch>> = chosen.iter().map(|_| None).collect();
         for four in order.chunks(LANES) {
             self.abreast.clear();
             for (lane, choice) in four.iter().map(|&i| &chosen[i]).enumerate() {
                 self.samplers[lane].start(choice.seed);
-                self.load(lane, mesh.barycentre(choice.seed), LEVELS[choice.level], choice.frame);
+                self.load(lane, mesh.barycentre(choice.seed), LEVELS[choice.candidate.level], choice.frame);
             }
-            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [4; LANES], 1);
+            let fits = self.chords.fit(&mut self.abreast, &DEGREES, [HIGHEST; LANES], 1);
             let noise = |lane: usize| four.get(lane).map_or(0.0, |&i| chosen[i].noise);
-            let has_cyclide = four.iter().any(|&i| chosen[i].model == POLYNOMIALS);
+            let has_cyclide = four.iter().any(|&i| !chosen[i].candidate.is_polynomial());
             let cyclides = has_cyclide.then(|| self.cyclides.fit(&self.abreast, F4(std::array::from_fn(noise))));
             for (lane, &i) in four.iter().enumerate() {
-                let Choice { seed, model, error, is_alike, .. } = chosen[i];
+                let Choice { seed, candidate: Candidate { level, model }, error, is_alike, .. } = chosen[i];
                 let Some(frame) = self.abreast.frame(lane).filter(|_| fits.is_carried(lane)) else { continue };
-                let (surface, variance, unit_variance) = match DEGREES.get(model) {
-                    Some(&degree) => {
+                let (surface, variance, unit_variance) = match model.degree() {
+                    Some(degree) => {
                         let degree = degree.min(fits.highest(lane));
                         let variance = fits.deviation_squared(lane, degree, &frame);
                         (
@@ -189,7 +277,6 @@ impl<'g> Prober<'g> {
                     }
                 };
                 let around = chosen[i].noise.powi(2);
-                let level = chosen[i].level;
                 let detail = unexplained(variance, around, level, 2.0 * spread(level, 0.0));
                 let scatter = (unit_variance * around * (1.0 + detail)).sqrt();
                 let error = error.max(scatter);
@@ -235,9 +322,9 @@ impl Probe {
         Probe { seed, levels, noise: f64::INFINITY, spacing: 0.0, neighbours, frame: None, goes_on: true, hopeless }
     }
 
-    /// What it found at a level.
-    pub(super) fn at(&self, level: usize) -> &Level {
-        self.levels.get(level).unwrap_or(&Level::NONE)
+    /// What it found.
+    pub(super) fn at(&self, candidate: Candidate) -> &Found {
+        self.levels.get(candidate.level).map_or(&Found::NONE, |level| &level[candidate.model as usize])
     }
 
     /// Levels that have been looked at.
@@ -251,18 +338,19 @@ impl Probe {
     }
 
     /// False where a fit was tried in vain, or is too large to be tried.
-    pub(super) fn may_have(&self, level: usize, model: usize) -> bool {
-        self.levels.get(level).map_or(self.goes_on, |level| level.variances[model].is_finite())
+    pub(super) fn may_have(&self, candidate: Candidate) -> bool {
+        if candidate.level < self.levels.len() { self.at(candidate).variance.is_finite() } else { self.goes_on }
     }
 
     /// Adds a level with its polynomials, and returns the variance of the samples about the one of the highest degree.
     fn add(&mut self, fits: &ChordFits, lane: usize, frame: LocalFrame, centre: DVec3) -> f64 {
-        let mut level = Level::NONE;
+        let mut level = [Found::NONE; Model::ALL.len()];
         let highest = fits.highest(lane);
-        for (model, &degree) in DEGREES.iter().enumerate().filter(|(_, d)| **d <= highest) {
+        for (model, found) in Model::ALL.into_iter().zip(&mut level) {
+            let Some(degree) = model.degree().filter(|&degree| degree <= highest) else { continue };
             if let Some((_, shape)) = fits.surface(lane, degree, frame).shape_at(centre) {
                 let variance = fits.tensor_variance(lane, degree, &frame);
-                level.note(model, shape.tensor, variance, fits.deviation_squared(lane, degree, &frame));
+                *found = Found::of(shape.tensor, variance, fits.deviation_squared(lane, degree, &frame));
             }
         }
         self.levels.push(level);
@@ -276,22 +364,16 @@ impl Probe {
         let (Some((_, shape)), Some(level)) = (c.surface.shape_at(centre), self.levels.last_mut()) else {
             return false;
         };
-        level.note(POLYNOMIALS, shape.tensor, c.tensor_variance, c.misfit);
+        level[Model::Cyclide as usize] = Found::of(shape.tensor, c.tensor_variance, c.misfit);
         true
     }
 }
 
-impl Level {
-    const NONE: Level = Level {
-        tensors: [[f64::NAN; 6]; MODELS],
-        variances: [f64::INFINITY; MODELS],
-        misfits: [f64::INFINITY; MODELS],
-    };
+impl Found {
+    const NONE: Found = Found { tensor: [f64::NAN; 6], variance: f64::INFINITY, misfit: f64::INFINITY };
 
-    fn note(&mut self, model: usize, tensor: DMat3, variance: f64, misfit: f64) {
+    fn of(tensor: DMat3, variance: f64, misfit: f64) -> Self {
         let [x, y, z] = [tensor.x_axis, tensor.y_axis, tensor.z_axis];
-        self.tensors[model] = [x.x, y.x, z.x, y.y, z.y, z.z];
-        self.variances[model] = variance;
-        self.misfits[model] = misfit;
+        Found { tensor: [x.x, y.x, z.x, y.y, z.y, z.z], variance, misfit }
     }
 }

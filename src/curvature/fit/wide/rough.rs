@@ -2,7 +2,7 @@
 //! vertices as that of scanners is, or a surface that is rough at every scale.
 
 use super::kind::{Noise, SMOOTH};
-use super::probe::{HOPELESS, POLYNOMIALS, Probe};
+use super::probe::{Candidate, HOPELESS, Model, Probe};
 use super::scale::probe_all;
 use super::steady::Steady;
 use crate::curvature::fit::ground::fans::Fans;
@@ -37,11 +37,11 @@ pub(in crate::curvature::fit) fn judge(fans: &Fans<'_>, seeds: &[Face], is_wides
     let mut probes: Vec<Probe> = seeds.iter().step_by(step).map(|&seed| Probe::new(seed, HOPELESS)).collect();
     probe_all(fans, probes.iter_mut().collect(), 0..JUDGED, &none, 0.0);
     let of_all = |of: &dyn Fn(&Probe) -> f64| median(probes.iter().map(of)).unwrap_or(0.0);
-    let quartic = |level: usize| of_all(&|p| (p.at(level).misfits[1]).sqrt() / p.spacing);
-    let cyclide = of_all(&|p| p.at(3).misfits[POLYNOMIALS].sqrt() / p.spacing);
+    let deviation = |level, model| of_all(&|p| p.at(Candidate { level, model }).misfit.sqrt() / p.spacing);
+    let [noise, second, third, fourth]: [f64; JUDGED] = std::array::from_fn(|level| deviation(level, Model::Quartic));
+    let cyclide = deviation(JUDGED - 1, Model::Cyclide);
     // Detail that a cyclide explains is the surface's.
-    let (noise, second) = (quartic(0), quartic(1).min(cyclide));
-    let (third, fourth) = (quartic(2), quartic(3));
+    let second = second.min(cyclide);
     let beyond = |deviation: f64| (deviation * deviation - noise * noise).max(0.0).sqrt();
     if noise >= LEAST_NOISE
         && fourth.min(cyclide) >= LEAST_GROWTH * noise

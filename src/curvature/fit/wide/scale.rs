@@ -41,11 +41,13 @@ pub(in crate::curvature::fit) fn estimate(
     probe_more(fans, &mut probes, &seed_of, |i| SPARSE + tiers[i]);
     let mut choices = vec![None; seeds.len()];
     choose_all(fans, &probes, kind, &mut choices);
-    let is_dense: Vec<bool> = choices.iter().map(|c| c.as_ref().is_some_and(|c| c.level <= DENSE_UP_TO)).collect();
+    let is_dense: Vec<bool> =
+        choices.iter().map(|c| c.as_ref().is_some_and(|c| c.candidate.level <= DENSE_UP_TO)).collect();
     probe_more(fans, &mut probes, &seed_of, |i| if is_dense[i] { DENSE + tiers[i] } else { 0 });
     choose_all(fans, &probes, kind, &mut choices);
     // Patches lie about as close as windows of their size.
-    let stays = |i: usize, choice: &Choice| choice.level <= tiers[i] + if is_dense[i] { DENSE - 1 } else { SPARSE };
+    let stays =
+        |i: usize, choice: &Choice| choice.candidate.level <= tiers[i] + if is_dense[i] { DENSE - 1 } else { SPARSE };
     let chosen: Vec<Choice> =
         choices.into_iter().enumerate().filter_map(|(i, choice)| choice.filter(|choice| stays(i, choice))).collect();
     drop(probes);

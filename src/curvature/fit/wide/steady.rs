@@ -11,6 +11,7 @@ use crate::curvature::fit::ground::quantum::Quantum;
 use crate::curvature::fit::ground::sites::Sites;
 use crate::curvature::fit::solve::abreast::Abreast;
 use crate::curvature::fit::solve::chord_fitter::ChordFitter;
+use crate::curvature::fit::surface::bivariate::{CUBIC, HIGHEST, QUADRATIC};
 use crate::curvature::fit::surface::chord::Chord;
 use crate::curvature::fit::surface::frame::LocalFrame;
 use crate::curvature::vectors::four::LANES;
@@ -142,7 +143,7 @@ impl<'g, S: Sites> Steady<'g, S> {
     ) -> [Option<Blended>; LANES] {
         let fitted = self.fit(count, |lane, sampler| {
             let centre = start(lane, sampler);
-            Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: 2 })
+            Some(Taken { frame: sampler.take_nearest(centre, window)?, centre, degree: QUADRATIC })
         });
         fitted.map(|fitted| fitted?.value())
     }
@@ -178,7 +179,7 @@ impl<'g, S: Sites> Steady<'g, S> {
                 flat[lane] = Some(Fitted { surface, centre, noise: 0.0, error, is_firm: true });
                 return None;
             }
-            (sampler.points.len() >= S::LEAST).then_some(Taken { frame, centre, degree: 4 })
+            (sampler.points.len() >= S::LEAST).then_some(Taken { frame, centre, degree: HIGHEST })
         });
         std::array::from_fn(|lane| {
             let found = flat[lane].or(fitted[lane]).filter(|fitted| fitted.is_firm)?;
@@ -200,9 +201,9 @@ impl<'g, S: Sites> Steady<'g, S> {
             let sampler = &mut samplers[lane];
             let taken = if lane < count { take(lane, sampler) } else { None }?;
             let carried = match sampler.points.len() {
-                0..24 => 2,
-                24..45 => 3,
-                _ => 4,
+                0..24 => QUADRATIC,
+                24..45 => CUBIC,
+                _ => HIGHEST,
             };
             degrees[lane] = taken.degree.min(carried);
             sampler.weigh(&taken.frame);
@@ -213,7 +214,7 @@ impl<'g, S: Sites> Steady<'g, S> {
         if taken.iter().all(Option::is_none) {
             return [None; LANES];
         }
-        let fits = chords.fit(abreast, &[2], degrees, 1);
+        let fits = chords.fit(abreast, &[QUADRATIC], degrees, 1);
         std::array::from_fn(|lane| {
             let centre = taken[lane].as_ref()?.centre;
             let frame = abreast.frame(lane).filter(|_| fits.is_carried(lane))?;
