@@ -181,9 +181,8 @@ impl Crossing {
         let newer_is_above = apex.distance >= 0.0;
         let (below, above, kept) =
             if newer_is_above { (self.below, apex, self.below) } else { (apex, self.above, self.above) };
-        // The edge between the kept end and the apex: the one that does not start at the other end.
-        let next = twin.next();
-        let half_edge = if topology.origin(next) == kept.vertex { next } else { twin.prev() };
+        // The edge between the kept end and the apex.
+        let half_edge = topology.other_side_at(twin, kept.vertex);
         Ok(Crossing::new(half_edge, below, above, newer_is_above))
     }
 }

@@ -1,6 +1,7 @@
 //! The indexed mesh: welded vertices, half-edge neighbours and the kind of every edge.
 
 mod arrays;
+mod clusters;
 mod connect;
 mod edges;
 mod ids;
@@ -17,7 +18,7 @@ mod weld_distance;
 pub use arrays::{PositionsRef, SameVertex};
 pub use edges::EdgeKind;
 pub use ids::{Face, HalfEdge, Vertex};
-pub(crate) use order::FileOrder;
+pub(crate) use order::{FileOrder, inverse};
 pub use report::{Bounds, EdgeCounts, FaceState, FirstDefects, MeshReport};
 pub use topology::{Across, Topology};
 

@@ -216,7 +216,7 @@ struct Renumbering<'n, T> {
 }
 
 /// Where in a list of all faces or vertices each of them is.
-fn inverse<T: Copy + Send + Sync>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> T) -> Vec<T> {
+pub(crate) fn inverse<T: Copy + Sync, U: Send>(all: &[T], index: fn(T) -> usize, numbered: fn(u32) -> U) -> Vec<U> {
     let places: Vec<AtomicU32> = (0..all.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     // Each is stored once, by whatever thread.
     all.par_iter().enumerate().for_each(|(place, &of)| places[index(of)].store(place as u32, Relaxed));

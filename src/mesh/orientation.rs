@@ -1,5 +1,6 @@
 //! Components, the winding of their majority, and boundary loops.
 
+use super::clusters::Clusters;
 use super::ids::{Face, HalfEdge};
 use super::topology::{Across, Topology};
 use glam::DVec3;
@@ -282,27 +283,15 @@ pub(super) fn boundary_loops(topology: &Topology, left_out: &[bool]) -> usize {
         .filter(|&h| topology.across(h) == Across::Boundary)
         .collect();
     let mut loops = boundary.len();
-    let mut parent: Vec<usize> = (0..boundary.len()).collect();
+    let mut clusters = Clusters::new(boundary.len());
     for (i, &h) in boundary.iter().enumerate() {
         for start in [h.next(), h.prev()] {
             if let Some(j) = end_of_fan(topology, h, start).and_then(|end| boundary.binary_search(&end).ok()) {
-                let (a, b) = (root(&mut parent, i), root(&mut parent, j));
-                if a != b {
-                    parent[a.max(b)] = a.min(b);
-                    loops -= 1;
-                }
+                loops -= usize::from(clusters.join(i as u32, j as u32));
             }
         }
     }
     loops
-}
-
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
 }
 
 /// Turns around the vertex that `h` and `start` (sides of one face) share until an edge without a
@@ -314,10 +303,7 @@ fn end_of_fan(topology: &Topology, h: HalfEdge, start: HalfEdge) -> Option<HalfE
         match topology.across(side) {
             Across::Boundary => return Some(side),
             Across::NonManifold => return None,
-            Across::Twin(twin) => {
-                let next = twin.next();
-                side = if topology.origin(next) == hub || topology.target(next) == hub { next } else { twin.prev() };
-            }
+            Across::Twin(twin) => side = topology.other_side_at(twin, hub),
         }
     }
 }

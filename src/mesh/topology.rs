@@ -106,6 +106,13 @@ impl Topology {
         self.origin(h.prev())
     }
 
+    /// Of the other two sides of a half-edge's face the one at `hub`, which is one end of the half-edge: the way around
+    /// that vertex, whatever the windings there.
+    #[inline]
+    pub(crate) fn other_side_at(&self, h: HalfEdge, hub: Vertex) -> HalfEdge {
+        if self.origin(h) == hub { h.prev() } else { h.next() }
+    }
+
     /// What lies across a half-edge.
     #[inline]
     pub fn across(&self, h: HalfEdge) -> Across {
@@ -149,6 +156,20 @@ mod tests {
             assert_eq!(twin.face(), Face(1));
             assert_eq!(t.is_flipped(HalfEdge(1), twin), flipped);
             assert_eq!(t.across(HalfEdge(0)), Across::Boundary);
+        }
+    }
+
+    #[test]
+    fn the_way_around_a_vertex_does_not_depend_on_windings() {
+        for second in [[2, 1, 3], [1, 2, 3]] {
+            let (t, _) = connect(&[[0, 1, 2], second]);
+            let twin = t.twin(HalfEdge(1)).expect("the faces share an edge");
+            for hub in [Vertex(1), Vertex(2)] {
+                let side = t.other_side_at(twin, hub);
+                let mut ends = [t.origin(side), t.target(side)];
+                ends.sort();
+                assert_eq!((side.face(), ends), (Face(1), [hub, Vertex(3)]));
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! Gives one number to vertices that lie close together.
 
+use super::clusters::Clusters;
 use super::report::Bounds;
 use super::weld::{NONE, Welded};
 use crate::soup::Group;
@@ -17,10 +18,10 @@ pub(super) fn weld_distance(mut welded: Welded, bodies: &[Group], distance: f64)
     for body in bodies {
         let faces = &welded.faces[body.faces.start as usize..body.faces.end as usize];
         let end = faces.iter().flatten().map(|&v| v + 1).max().unwrap_or(first).max(first);
-        clusters.join_close(&welded.positions, first..end, distance);
+        join_close(&mut clusters, &welded.positions, first..end, distance);
         first = end;
     }
-    let representative = clusters.representatives(&welded.positions);
+    let representative = representatives(&mut clusters, &welded.positions);
     let mut number = vec![NONE; before];
     let mut positions = Vec::new();
     for corner in welded.faces.iter_mut().flatten() {
@@ -34,84 +35,60 @@ pub(super) fn weld_distance(mut welded: Welded, bodies: &[Group], distance: f64)
     Welded { merged_by_distance: before - positions.len(), positions, faces: welded.faces }
 }
 
-/// Union-find over vertices.
-struct Clusters {
-    parent: Vec<u32>,
+/// Sorts the vertices into cubes whose diagonal is the distance: all of one cube belong
+/// together, and only cubes at most two apart can hold another close vertex.
+fn join_close(clusters: &mut Clusters, positions: &[DVec3], vertices: std::ops::Range<u32>, distance: f64) {
+    let side = distance / 3.0_f64.sqrt();
+    let inside = positions[vertices.start as usize..vertices.end as usize].iter().copied();
+    let Some(bounds) = Bounds::of(inside) else { return };
+    // Below the rounding of the coordinates nothing is close but what is equal, and equal is one.
+    if bounds.size().max_element() / side > 2.0_f64.powi(53) {
+        return;
+    }
+    let mut cubes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for v in vertices {
+        let p = positions[v as usize];
+        if p.is_finite() {
+            let cube = ((p - bounds.min) / side).floor().to_array().map(|c| c as i64);
+            cubes.entry(cube).or_default().push(v);
+        }
+    }
+    for members in cubes.values() {
+        for pair in members.windows(2) {
+            clusters.join(pair[0], pair[1]);
+        }
+    }
+    for (cube, members) in &cubes {
+        for step in half_of_the_neighbours() {
+            let near = [0, 1, 2].map(|i| cube[i].saturating_add(step[i]));
+            let Some(others) = cubes.get(&near) else { continue };
+            if clusters.root(members[0]) == clusters.root(others[0]) {
+                continue;
+            }
+            let close = members.iter().any(|&a| {
+                others
+                    .iter()
+                    .any(|&b| positions[a as usize].distance_squared(positions[b as usize]) <= distance * distance)
+            });
+            if close {
+                clusters.join(members[0], others[0]);
+            }
+        }
+    }
 }
 
-impl Clusters {
-    fn new(count: usize) -> Self {
-        Clusters { parent: (0..count as u32).collect() }
-    }
-
-    fn root(&mut self, mut v: u32) -> u32 {
-        while self.parent[v as usize] != v {
-            self.parent[v as usize] = self.parent[self.parent[v as usize] as usize];
-            v = self.parent[v as usize];
-        }
-        v
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
-
-    /// Sorts the vertices into cubes whose diagonal is the distance: all of one cube belong
-    /// together, and only cubes at most two apart can hold another close vertex.
-    fn join_close(&mut self, positions: &[DVec3], vertices: std::ops::Range<u32>, distance: f64) {
-        let side = distance / 3.0_f64.sqrt();
-        let inside = positions[vertices.start as usize..vertices.end as usize].iter().copied();
-        let Some(bounds) = Bounds::of(inside) else { return };
-        // Below the rounding of the coordinates nothing is close but what is equal, and equal is one.
-        if bounds.size().max_element() / side > 2.0_f64.powi(53) {
-            return;
-        }
-        let mut cubes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-        for v in vertices {
-            let p = positions[v as usize];
-            if p.is_finite() {
-                let cube = ((p - bounds.min) / side).floor().to_array().map(|c| c as i64);
-                cubes.entry(cube).or_default().push(v);
-            }
-        }
-        for members in cubes.values() {
-            for pair in members.windows(2) {
-                self.join(pair[0], pair[1]);
-            }
-        }
-        for (cube, members) in &cubes {
-            for step in half_of_the_neighbours() {
-                let near = [0, 1, 2].map(|i| cube[i].saturating_add(step[i]));
-                let Some(others) = cubes.get(&near) else { continue };
-                if self.root(members[0]) == self.root(others[0]) {
-                    continue;
-                }
-                let close = members.iter().any(|&a| {
-                    others
-                        .iter()
-                        .any(|&b| positions[a as usize].distance_squared(positions[b as usize]) <= distance * distance)
-                });
-                if close {
-                    self.join(members[0], others[0]);
-                }
-            }
+/// Per vertex, the member of its cluster whose position is least.
+fn representatives(clusters: &mut Clusters, positions: &[DVec3]) -> Vec<u32> {
+    let count = positions.len() as u32;
+    let mut least: Vec<u32> = (0..count).collect();
+    for v in 0..count {
+        let root = clusters.root(v) as usize;
+        let (p, q) = (positions[v as usize].to_array(), positions[least[root] as usize].to_array());
+        if p < q {
+            least[root] = v;
         }
     }
-
-    /// Per vertex, the member of its cluster whose position is least.
-    fn representatives(&mut self, positions: &[DVec3]) -> Vec<u32> {
-        let count = positions.len() as u32;
-        let mut least: Vec<u32> = (0..count).collect();
-        for v in 0..count {
-            let root = self.root(v) as usize;
-            let (p, q) = (positions[v as usize].to_array(), positions[least[root] as usize].to_array());
-            if p < q {
-                least[root] = v;
-            }
-        }
-        (0..count).map(|v| least[self.root(v) as usize]).collect()
-    }
+    (0..count).map(|v| least[clusters.root(v) as usize]).collect()
 }
 
 /// One of each pair of opposite steps between cubes at most two apart.

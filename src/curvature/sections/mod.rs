@@ -24,7 +24,7 @@ use super::{CHUNK, CurvatureOptions, FaceCurvature};
 use crate::curvature::vectors::eight;
 use crate::curvature::vectors::four::{F4, LANES};
 use crate::disk::{Disk, Frame};
-use crate::mesh::{Face, Mesh};
+use crate::mesh::{Face, Mesh, inverse};
 use crate::progress::Progress;
 use crate::section::Plane;
 use crate::unfolding::angle_aside;
@@ -48,10 +48,7 @@ pub(super) fn estimate(
     progress: &dyn Progress,
 ) -> Option<Vec<FaceCurvature>> {
     let order = mesh.along_curve();
-    let mut place = vec![0_u32; order.len()];
-    for (new, old) in order.iter().enumerate() {
-        place[old.index()] = new as u32;
-    }
+    let place = inverse(&order, Face::index, |place| place);
     let steps = Steps::new(mesh, &order, &place)?;
     let survey = Survey {
         mesh,

@@ -100,8 +100,7 @@ impl Window {
                 for _ in 0..CROWDED / 2 {
                     let Some(twin) = topology.twin(h).filter(|t| ground.is_open(h) && t.face() != start) else { break };
                     self.add(ground.mesh, twin.face());
-                    // Of the other two sides the one that ends at the vertex too.
-                    h = if topology.apex(twin.next()) == vertex { twin.prev() } else { twin.next() };
+                    h = topology.other_side_at(twin, vertex);
                 }
             }
         }

@@ -217,8 +217,7 @@ fn split_star(ground: &Ground<'_>, vertex: Vertex, corners: &mut [[u32; 3]], ver
                 let Some(twin) = topology.twin(h).filter(|_| ground.is_open(h)) else { break };
                 let Some((f, c)) = corner(twin.face().0).filter(|&(f, c)| corners[f][c] == NONE) else { break };
                 corners[f][c] = fan;
-                // Of the other two sides the one that ends at the vertex too.
-                h = if topology.apex(twin.next()) == vertex { twin.prev() } else { twin.next() };
+                h = topology.other_side_at(twin, vertex);
             }
         }
         fan = (ground.mesh.positions().len() + vertices.len()) as u32;
