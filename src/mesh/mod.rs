@@ -28,7 +28,7 @@ use crate::soup::{Group, Positions, Scene, Soup};
 use edges::Dihedral;
 use glam::DVec3;
 use rayon::prelude::*;
-use report::first_few;
+use report::Built;
 use weld::Welded;
 
 /// Settings for [`Mesh::from_soup`].
@@ -150,47 +150,22 @@ impl Mesh {
         let dihedral = Dihedral { topology: &topology, positions: &positions, states: &states };
         let kinds = edges::classify(&dihedral, options.feature_angle);
 
-        let count = topology.face_count();
-        let state_is = |state: FaceState| first_few(count, |f| states[f.index()] == state);
-        let (degenerate_faces, degenerate) =
-            first_few(count, |f| matches!(states[f.index()], FaceState::NoArea | FaceState::RepeatedVertex));
-        let (non_finite_faces, non_finite) = state_is(FaceState::NotFinite);
-        let (duplicate_faces, duplicate) = state_is(FaceState::Duplicate);
-        let (flipped_faces, flipped) = first_few(count, |f| orientation.flipped[f.index()]);
-        let (_, non_manifold) =
-            first_few(count, |f| f.half_edges().iter().any(|h| kinds[h.index()] == EdgeKind::NonManifold));
+        let report = MeshReport::of(&Built {
+            topology: &topology,
+            left_out: &left_out,
+            states: &states,
+            kinds: &kinds,
+            orientation: &orientation,
+            non_manifold_edges: found.non_manifold_edges,
+            vertices: positions.len(),
+            vertices_merged_by_distance: merged_by_distance,
+            bounds,
+        });
         if !states.contains(&FaceState::Sound) {
             let remedy = if merged_by_distance > 0 { "; try a smaller weld distance" } else { "" };
-            let finite = if non_finite_faces > 0 { " and finite coordinates" } else { "" };
-            return Err(Error::EmptyMesh(format!("none of the {count} faces has an area{finite}{remedy}")));
+            let finite = if report.non_finite_faces > 0 { " and finite coordinates" } else { "" };
+            return Err(Error::EmptyMesh(format!("none of the {} faces has an area{finite}{remedy}", report.faces)));
         }
-        let mut sides = [0; 4];
-        for (three, _) in kinds.as_chunks::<3>().0.iter().zip(&left_out).filter(|(_, left_out)| !**left_out) {
-            three.iter().for_each(|&kind| sides[kind as usize] += 1);
-        }
-        let edges = EdgeCounts {
-            inner: sides[EdgeKind::Inner as usize] / 2,
-            boundary: sides[EdgeKind::Boundary as usize],
-            feature: sides[EdgeKind::Feature as usize] / 2,
-            non_manifold: found.non_manifold_edges,
-        };
-        let report = MeshReport {
-            faces: count,
-            vertices: positions.len(),
-            edges,
-            components: orientation.components,
-            boundary_loops: orientation::boundary_loops(&topology, &left_out),
-            degenerate_faces,
-            duplicate_faces,
-            non_finite_faces,
-            flipped_faces,
-            non_orientable_components: orientation.non_orientable,
-            inside_out_components: orientation.inside_out,
-            vertices_merged_by_distance: merged_by_distance,
-            closed: edges.boundary + edges.non_manifold == 0,
-            first_defects: FirstDefects { degenerate, duplicate, non_finite, flipped, non_manifold },
-            bounds,
-        };
         Ok(Mesh {
             origin,
             positions,

@@ -1,6 +1,9 @@
 //! What the construction of a mesh found: counts, extent and defects.
 
-use super::ids::Face;
+use super::edges::EdgeKind;
+use super::ids::{Face, HalfEdge};
+use super::orientation::{Orientation, boundary_loops};
+use super::topology::Topology;
 use crate::wording::counted;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -124,16 +127,76 @@ pub struct FirstDefects {
 
 const FEW: usize = 5;
 
-/// The first few faces for which `wrong` holds, and how many there are.
-pub(super) fn first_few(count: usize, wrong: impl Fn(Face) -> bool + Sync) -> (usize, Vec<u32>) {
-    let is_wrong = |f: &u32| wrong(Face(*f));
-    match (0..count as u32).into_par_iter().filter(is_wrong).count() {
-        0 => (0, Vec::new()),
-        total => (total, (0..count as u32).filter(is_wrong).take(FEW).collect()),
+/// A mesh that has just been built, to be counted.
+pub(super) struct Built<'m> {
+    pub(super) topology: &'m Topology,
+    /// Faces that take no part in the topology.
+    pub(super) left_out: &'m [bool],
+    pub(super) states: &'m [FaceState],
+    pub(super) kinds: &'m [EdgeKind],
+    pub(super) orientation: &'m Orientation,
+    pub(super) non_manifold_edges: usize,
+    pub(super) vertices: usize,
+    pub(super) vertices_merged_by_distance: usize,
+    pub(super) bounds: Option<Bounds>,
+}
+
+impl Built<'_> {
+    fn edges(&self) -> EdgeCounts {
+        let mut sides = [0; 4];
+        for (three, _) in self.kinds.as_chunks::<3>().0.iter().zip(self.left_out).filter(|(_, left_out)| !**left_out) {
+            three.iter().for_each(|&kind| sides[kind as usize] += 1);
+        }
+        EdgeCounts {
+            inner: sides[EdgeKind::Inner as usize] / 2,
+            boundary: sides[EdgeKind::Boundary as usize],
+            feature: sides[EdgeKind::Feature as usize] / 2,
+            non_manifold: self.non_manifold_edges,
+        }
+    }
+
+    /// The first few faces for which `wrong` holds, and how many there are.
+    fn first_few(&self, wrong: impl Fn(Face) -> bool + Sync) -> (usize, Vec<u32>) {
+        let count = self.topology.face_count();
+        let is_wrong = |f: &u32| wrong(Face(*f));
+        match (0..count as u32).into_par_iter().filter(is_wrong).count() {
+            0 => (0, Vec::new()),
+            total => (total, (0..count as u32).filter(is_wrong).take(FEW).collect()),
+        }
     }
 }
 
 impl MeshReport {
+    /// Counts what there is and what is wrong with it.
+    pub(super) fn of(built: &Built<'_>) -> Self {
+        let Built { topology, left_out, states, kinds, orientation, .. } = *built;
+        let are = |wrong: &[FaceState]| built.first_few(|f| wrong.contains(&states[f.index()]));
+        let (degenerate_faces, degenerate) = are(&[FaceState::NoArea, FaceState::RepeatedVertex]);
+        let (non_finite_faces, non_finite) = are(&[FaceState::NotFinite]);
+        let (duplicate_faces, duplicate) = are(&[FaceState::Duplicate]);
+        let (flipped_faces, flipped) = built.first_few(|f| orientation.flipped[f.index()]);
+        let is_non_manifold = |h: HalfEdge| kinds[h.index()] == EdgeKind::NonManifold;
+        let (_, non_manifold) = built.first_few(|f| f.half_edges().into_iter().any(is_non_manifold));
+        let edges = built.edges();
+        MeshReport {
+            faces: topology.face_count(),
+            vertices: built.vertices,
+            edges,
+            components: orientation.components,
+            boundary_loops: boundary_loops(topology, left_out),
+            degenerate_faces,
+            duplicate_faces,
+            non_finite_faces,
+            flipped_faces,
+            non_orientable_components: orientation.non_orientable,
+            inside_out_components: orientation.inside_out,
+            vertices_merged_by_distance: built.vertices_merged_by_distance,
+            closed: edges.boundary + edges.non_manifold == 0,
+            first_defects: FirstDefects { degenerate, duplicate, non_finite, flipped, non_manifold },
+            bounds: built.bounds,
+        }
+    }
+
     /// True when something is wrong that makes a run end in exit code 3: degenerate, duplicate,
     /// non-finite or flipped faces, or edges with three or more faces.
     pub fn has_defects(&self) -> bool {
