@@ -1,15 +1,15 @@
-//! The streams that a glTF file consists of: what each holds, its length, and its bytes.
+//! The streams that a glTF file consists of: what each holds, its length, and values as they are stored.
 
 use super::accessor::Raw;
+use super::stream_writer::StreamWriter;
 use super::vertices::{Owners, Vertices};
-use crate::annotation::{Annotation, ColorCarrier, Layout};
-use crate::color::{ColorScale, NOT_ESTIMATED_INDEX, PALETTE, Rgb, linear};
+use crate::annotation::{Annotation, Layout};
+use crate::color::{ColorScale, NOT_ESTIMATED_INDEX, PALETTE};
 use crate::error::Error;
-use crate::io::blocks::in_blocks;
-use crate::mesh::{Face, HalfEdge};
+use crate::mesh::Face;
 use crate::numbers::Numbers;
 use crate::progress::Progress;
-use crate::quantity::{self, Quantity};
+use crate::quantity::Quantity;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::io::{self, Write};
@@ -88,101 +88,18 @@ impl Stream<'_> {
         out: &mut dyn Write,
         progress: &dyn Progress,
     ) -> io::Result<()> {
+        let to = StreamWriter { annotation, out, progress };
         match self {
-            Stream::Corners { faces } => {
-                let remainder = annotation.translation_remainder();
-                in_blocks(faces.len(), out, progress, |block, bytes| {
-                    bytes.resize(36 * block.len(), 0);
-                    let (words, _) = bytes.as_chunks_mut::<4>();
-                    for (words, f) in words.as_chunks_mut::<9>().0.iter_mut().zip(block) {
-                        let corners = annotation.finite_triangle(Face(faces.at(f)));
-                        let stored = corners.map(|p| stored_point(annotation, remainder, p));
-                        words.iter_mut().zip(stored.as_flattened()).for_each(|(word, c)| *word = c.to_le_bytes());
-                    }
-                })
-            }
-            Stream::Positions { vertices } => {
-                let remainder = annotation.translation_remainder();
-                let positions = annotation.mesh.positions();
-                in_blocks(vertices.len(), out, progress, |block, bytes| {
-                    for v in block {
-                        let p = positions[vertices.at(v) as usize];
-                        extend(bytes, stored_point(annotation, remainder, finite(p)));
-                    }
-                })
-            }
-            Stream::Copied { raw, stride, vertices } => in_blocks(vertices.len(), out, progress, |block, bytes| {
-                for v in block {
-                    let element = raw.get(vertices.source(v));
-                    bytes.extend_from_slice(element);
-                    bytes.extend(std::iter::repeat_n(0, stride - element.len()));
-                }
-            }),
-            Stream::Indices { corners, wide } => in_blocks(corners.len(), out, progress, |block, bytes| {
-                for corner in corners[block.start as usize..block.end as usize].as_flattened() {
-                    match wide {
-                        true => bytes.extend(corner.to_le_bytes()),
-                        false => bytes.extend((*corner as u16).to_le_bytes()),
-                    }
-                }
-            }),
-            Stream::Value { owners, quantity, component } => {
-                let stored = stored_value(annotation, *quantity, *component);
-                per_element(owners, out, progress, |face| stored(face).to_le_bytes())
-            }
-            Stream::Row { owners, faces } => per_element(owners, out, progress, |face| {
-                let row = face.map_or(0, |face| faces.place(face.0));
-                (row as f32).to_le_bytes()
-            }),
-            Stream::Column { faces, quantity } => {
-                let stored: Vec<_> =
-                    (0..quantity.columns().len()).map(|c| stored_value(annotation, *quantity, c)).collect();
-                in_blocks(faces.len(), out, progress, |block, bytes| {
-                    for face in block.map(|f| Face(faces.at(f))) {
-                        match quantity {
-                            Quantity::Face => bytes.extend(face.0.to_le_bytes()),
-                            Quantity::Class => {
-                                bytes.extend(annotation.values[face.index()].class.code().to_le_bytes());
-                            }
-                            _ => stored.iter().for_each(|stored| bytes.extend(stored(Some(face)).to_le_bytes())),
-                        }
-                    }
-                })
-            }
-            Stream::VertexValue { owners, quantity } => {
-                let values = annotation.vertex_values.as_ref().and_then(|values| values.get(*quantity));
-                let factor = annotation.space.factor(quantity.dimension());
-                let at = |corner: Option<HalfEdge>| {
-                    let vertex = corner.map(|corner| annotation.mesh.topology().origin(corner));
-                    let value = vertex.and_then(|vertex| values.map(|values| values[vertex.index()]));
-                    quantity::finite(f64::from(value.unwrap_or(0.0)) * factor).to_le_bytes()
-                };
-                in_blocks(owners.len(), out, progress, |block, bytes| {
-                    for v in block {
-                        bytes.extend_from_slice(&at(owners.corner(v)));
-                    }
-                })
-            }
-            Stream::PaletteCoordinate { owners, u, v } => {
-                let along = |scale: usize, face| texel_of(annotation.colors.get(scale), annotation, face);
-                per_element(owners, out, progress, |face| {
-                    let [a, b, c, d] = along(*u, face).to_le_bytes();
-                    let [e, f, g, h] = v.map_or(texel(None), |v| along(v, face)).to_le_bytes();
-                    [a, b, c, d, e, f, g, h]
-                })
-            }
-            Stream::VertexColor { owners } => {
-                let Some(colors) = annotation.colors.first() else { return Ok(()) };
-                let mut palette = colors.map.palette();
-                if annotation.carrier == ColorCarrier::Vertex {
-                    palette = palette.map(|rgb: Rgb| rgb.map(linear));
-                }
-                per_element(owners, out, progress, |face| {
-                    let index = face.map_or(NOT_ESTIMATED_INDEX, |f| colors.color_index(&annotation.values[f.index()]));
-                    let [r, g, b] = palette[index];
-                    [r, g, b, 255]
-                })
-            }
+            Stream::Corners { faces } => to.corners(faces),
+            Stream::Positions { vertices } => to.positions(vertices),
+            Stream::Copied { raw, stride, vertices } => to.copied(raw, *stride, vertices),
+            Stream::Indices { corners, wide } => to.indices(corners, *wide),
+            Stream::Value { owners, quantity, component } => to.value(owners, *quantity, *component),
+            Stream::Row { owners, faces } => to.row(owners, faces),
+            Stream::Column { faces, quantity } => to.column(faces, *quantity),
+            Stream::VertexValue { owners, quantity } => to.vertex_value(owners, *quantity),
+            Stream::PaletteCoordinate { owners, u, v } => to.palette_coordinate(owners, *u, *v),
+            Stream::VertexColor { owners } => to.vertex_color(owners),
         }
     }
 }
@@ -218,40 +135,8 @@ pub(super) fn texel_of(colors: Option<&ColorScale>, annotation: &Annotation<'_>,
     }))
 }
 
-/// Writes `N` bytes for each element, worked out once for each face where faces have their own vertices.
-fn per_element<const N: usize>(
-    owners: &Owners,
-    out: &mut dyn Write,
-    progress: &dyn Progress,
-    of: impl Fn(Option<Face>) -> [u8; N] + Sync,
-) -> io::Result<()> {
-    match owners {
-        Owners::Corners(faces) => in_blocks(faces.len(), out, progress, |block, bytes| {
-            for f in block {
-                bytes.extend_from_slice([of(Some(Face(faces.at(f)))); 3].as_flattened());
-            }
-        }),
-        Owners::Faces(faces) => in_blocks(faces.len(), out, progress, |block, bytes| {
-            for f in block {
-                bytes.extend_from_slice(&of(Some(Face(faces.at(f)))));
-            }
-        }),
-        Owners::Vertices(vertices) => in_blocks(vertices.len(), out, progress, |block, bytes| {
-            for v in block {
-                bytes.extend_from_slice(&of(vertices.owner(v)));
-            }
-        }),
-    }
-}
-
-fn extend(bytes: &mut Vec<u8>, point: [f32; 3]) {
-    for c in point {
-        bytes.extend(c.to_le_bytes());
-    }
-}
-
 /// A point in the output's space, as stored. `remainder` is what the node's translation leaves over.
-fn stored_point(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32; 3] {
+pub(super) fn stored_point(annotation: &Annotation<'_>, remainder: DVec3, p: DVec3) -> [f32; 3] {
     single(annotation.space.point(p) + remainder)
 }
 
@@ -261,7 +146,7 @@ pub(super) fn single(p: DVec3) -> [f32; 3] {
 }
 
 /// A vertex of faces that are left out for it still needs a place.
-fn finite(p: DVec3) -> DVec3 {
+pub(super) fn finite(p: DVec3) -> DVec3 {
     if p.is_finite() { p } else { DVec3::ZERO }
 }
 

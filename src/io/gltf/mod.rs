@@ -1,8 +1,9 @@
 //! glTF 2.0, as a JSON document (`.gltf`) and in its binary form (`.glb`).
 //!
 //! Reading: `container`, `buffers`, `accessor`, `geometry`, `scene`, put together in `read`. Writing:
-//! `document` builds the JSON on a `draft` and lists the streams of `layout`; a document that came from
-//! glTF is `opened` again, `strip`ped of what an earlier run added, and its vertices split in `pool`.
+//! `document` builds the JSON on a `draft` and lists the streams of `layout`, which `stream_writer` writes; a
+//! document that came from glTF is `opened` again, `strip`ped of what an earlier run added, and its vertices split
+//! in `pool`.
 //!
 //! Files are parsed with `gltf-json` and without its validation, which refuses too much (every
 //! extension it does not know) and promises too little: every index, offset and count of a
@@ -28,6 +29,7 @@ mod pool;
 mod read;
 mod references;
 mod scene;
+mod stream_writer;
 mod strip;
 mod uri;
 mod values;
