@@ -35,45 +35,64 @@ pub struct LineScene<'s> {
 /// # Errors
 /// [`Error::Io`]; [`Error::TooLarge`] past 4 GiB.
 pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error> {
-    let translation = scene.space.point(scene.origin).as_vec3();
-    let remainder = scene.space.point(scene.origin) - translation.as_dvec3();
-    let mut bin: Vec<u8> = Vec::new();
-    // Values of lines go into a view of their own: elements of a view are of one size.
-    let mut scalar_bytes: Vec<u8> = Vec::new();
-    let mut root = empty_document();
-    let extras = serde_json::value::to_raw_value(&scene.extras).ok();
-    for layer in scene.layers {
+    let mut file = LineFile::new(scene);
+    scene.layers.iter().for_each(|layer| file.add_layer(layer));
+    let LineFile { mut root, points: mut bin, values, .. } = file;
+    if !bin.is_empty() {
+        add_views(&mut root, bin.len() as u64, values.len() as u64);
+    }
+    bin.extend(values);
+    let nodes = (0..root.nodes.len() as u32).map(Index::new).collect();
+    root.scene = Some(root.push(json::Scene { extensions: None, extras: None, name: None, nodes }));
+    let document = root.to_vec().unwrap_or_default();
+    check_glb_length((document.len() + bin.len()) as u64)?;
+    write_chunks(document, bin.len() as u64, out, |out| std::io::Write::write_all(out, &bin))
+}
+
+/// A file under construction.
+struct LineFile {
+    space: Space,
+    /// Of every node.
+    translation: glam::Vec3,
+    /// What it leaves over.
+    remainder: DVec3,
+    extras: json::Extras,
+    root: json::Root,
+    /// Bytes of the first view.
+    points: Vec<u8>,
+    /// Bytes of the second view, since elements of a view are of one size: values of lines.
+    values: Vec<u8>,
+}
+
+impl LineFile {
+    fn new(scene: &LineScene<'_>) -> Self {
+        let translation = scene.space.point(scene.origin).as_vec3();
+        LineFile {
+            space: scene.space,
+            translation,
+            remainder: scene.space.point(scene.origin) - translation.as_dvec3(),
+            extras: serde_json::value::to_raw_value(&scene.extras).ok(),
+            root: empty_document(),
+            points: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+
+    /// Adds a layer as a node with a mesh, where it has a segment.
+    fn add_layer(&mut self, layer: &Layer) {
         let strips = strips(&layer.lines);
         if strips.is_empty() {
-            continue;
+            return;
         }
-        let [r, g, b] = layer.color.map(linear_factor);
-        let material = root.push(json::Material {
-            name: Some(layer.name.clone()),
-            pbr_metallic_roughness: json::material::PbrMetallicRoughness {
-                base_color_factor: json::material::PbrBaseColorFactor([r, g, b, 1.0]),
-                metallic_factor: json::material::StrengthFactor(0.0),
-                ..Default::default()
-            },
-            ..Default::default()
-        });
-        let mut primitives = Vec::with_capacity(strips.len());
+        let material = self.root.push(material(layer));
         let is_single = matches!(strips.as_slice(), [(json::mesh::Mode::Lines, _)]);
-        for (mode, points) in strips {
-            let stored: Vec<[f32; 3]> = points.iter().map(|&p| single(scene.space.point(p) + remainder)).collect();
-            let position = root.push(accessor(&stored, bin.len() as u64));
-            bin.extend(stored.as_flattened().iter().flat_map(|c| c.to_le_bytes()));
-            let mut attributes: BTreeMap<_, _> = [(Checked::Valid(json::mesh::Semantic::Positions), position)].into();
-            for (name, dimension, values) in layer.values.iter().filter(|_| is_single) {
-                let factor = scene.space.factor(*dimension);
-                let drawn = layer.lines.iter().zip(values).filter(|(line, _)| line.points.len() > 1);
-                let stored: Vec<f32> = drawn.flat_map(|(_, &value)| [(value * factor) as f32; 2]).collect();
-                let semantic = json::mesh::Semantic::Extras(name.trim_start_matches('_').to_owned());
-                attributes
-                    .insert(Checked::Valid(semantic), root.push(scalars(stored.len(), scalar_bytes.len() as u64)));
-                scalar_bytes.extend(stored.iter().flat_map(|c| c.to_le_bytes()));
+        let primitive = |(mode, points): (json::mesh::Mode, Vec<DVec3>)| {
+            let mut attributes: BTreeMap<_, _> =
+                [(Checked::Valid(json::mesh::Semantic::Positions), self.add_points(&points))].into();
+            if is_single {
+                attributes.extend(self.add_values(layer));
             }
-            primitives.push(json::mesh::Primitive {
+            json::mesh::Primitive {
                 attributes,
                 extensions: None,
                 extras: None,
@@ -81,58 +100,81 @@ pub fn write_lines(scene: &LineScene<'_>, out: &mut Output) -> Result<(), Error>
                 material: Some(material),
                 mode: Checked::Valid(mode),
                 targets: None,
-            });
-        }
-        let mesh = root.push(json::Mesh {
+            }
+        };
+        let primitives = strips.into_iter().map(primitive).collect();
+        let mesh = self.root.push(json::Mesh {
             extensions: None,
-            extras: extras.clone(),
+            extras: self.extras.clone(),
             name: Some(layer.name.clone()),
             primitives,
             weights: None,
         });
-        root.push(json::Node {
+        self.root.push(json::Node {
             mesh: Some(mesh),
             name: Some(layer.name.clone()),
-            translation: (translation != glam::Vec3::ZERO).then_some(translation.to_array()),
+            translation: (self.translation != glam::Vec3::ZERO).then_some(self.translation.to_array()),
             ..Default::default()
         });
     }
-    if !bin.is_empty() {
-        let byte_length = USize64((bin.len() + scalar_bytes.len()) as u64);
-        root.buffers.push(json::Buffer { byte_length, name: None, uri: None, extensions: None, extras: None });
-        let users = |view: u32| root.accessors.iter().filter(|a| a.buffer_view == Some(Index::new(view))).count();
-        let shared = [users(0) > 1, users(1) > 1];
-        let byte_length = USize64(bin.len() as u64);
-        root.buffer_views.push(json::buffer::View {
-            buffer: Index::new(0),
-            byte_length,
-            byte_offset: None,
-            // Required where several accessors share a view, and of no use to a single one.
-            byte_stride: shared[0].then_some(json::buffer::Stride(12)),
-            name: None,
-            target: Some(Checked::Valid(json::buffer::Target::ArrayBuffer)),
-            extensions: None,
-            extras: None,
-        });
-        if !scalar_bytes.is_empty() {
-            root.buffer_views.push(json::buffer::View {
-                buffer: Index::new(0),
-                byte_length: USize64(scalar_bytes.len() as u64),
-                byte_offset: Some(byte_length),
-                byte_stride: shared[1].then_some(json::buffer::Stride(4)),
-                name: None,
-                target: Some(Checked::Valid(json::buffer::Target::ArrayBuffer)),
-                extensions: None,
-                extras: None,
-            });
-        }
+
+    fn add_points(&mut self, points: &[DVec3]) -> Index<json::Accessor> {
+        let stored: Vec<[f32; 3]> = points.iter().map(|&p| single(self.space.point(p) + self.remainder)).collect();
+        let position = self.root.push(accessor(&stored, self.points.len() as u64));
+        self.points.extend(stored.as_flattened().iter().flat_map(|c| c.to_le_bytes()));
+        position
     }
-    bin.extend(scalar_bytes);
-    let nodes = (0..root.nodes.len() as u32).map(Index::new).collect();
-    root.scene = Some(root.push(json::Scene { extensions: None, extras: None, name: None, nodes }));
-    let document = root.to_vec().unwrap_or_default();
-    check_glb_length((document.len() + bin.len()) as u64)?;
-    write_chunks(document, bin.len() as u64, out, |out| std::io::Write::write_all(out, &bin))
+
+    /// The values of a layer's segments, one for each of their ends, by name.
+    fn add_values(&mut self, layer: &Layer) -> Vec<(Checked<json::mesh::Semantic>, Index<json::Accessor>)> {
+        let add = |(name, dimension, values): &(&str, i32, Vec<f64>)| {
+            let factor = self.space.factor(*dimension);
+            let drawn = layer.lines.iter().zip(values).filter(|(line, _)| line.points.len() > 1);
+            let stored: Vec<f32> = drawn.flat_map(|(_, &value)| [(value * factor) as f32; 2]).collect();
+            let semantic = json::mesh::Semantic::Extras(name.trim_start_matches('_').to_owned());
+            let accessor = self.root.push(scalars(stored.len(), self.values.len() as u64));
+            self.values.extend(stored.iter().flat_map(|c| c.to_le_bytes()));
+            (Checked::Valid(semantic), accessor)
+        };
+        layer.values.iter().map(add).collect()
+    }
+}
+
+/// Adds the buffer and its views: of points, and of values of lines if there are any.
+fn add_views(root: &mut json::Root, points: u64, values: u64) {
+    let byte_length = USize64(points + values);
+    root.buffers.push(json::Buffer { byte_length, name: None, uri: None, extensions: None, extras: None });
+    let users = |view: u32| root.accessors.iter().filter(|a| a.buffer_view == Some(Index::new(view))).count();
+    let view = |number: u32, byte_offset: Option<u64>, length: u64, stride: usize| json::buffer::View {
+        buffer: Index::new(0),
+        byte_length: USize64(length),
+        byte_offset: byte_offset.map(USize64),
+        // Required where several accessors share a view, and of no use to a single one.
+        byte_stride: (users(number) > 1).then_some(json::buffer::Stride(stride)),
+        name: None,
+        target: Some(Checked::Valid(json::buffer::Target::ArrayBuffer)),
+        extensions: None,
+        extras: None,
+    };
+    let mut views = vec![view(0, None, points, 12)];
+    if values > 0 {
+        views.push(view(1, Some(points), values, 4));
+    }
+    root.buffer_views = views;
+}
+
+/// The plain colour of a layer.
+fn material(layer: &Layer) -> json::Material {
+    let [r, g, b] = layer.color.map(linear_factor);
+    json::Material {
+        name: Some(layer.name.clone()),
+        pbr_metallic_roughness: json::material::PbrMetallicRoughness {
+            base_color_factor: json::material::PbrBaseColorFactor([r, g, b, 1.0]),
+            metallic_factor: json::material::StrengthFactor(0.0),
+            ..Default::default()
+        },
+        ..Default::default()
+    }
 }
 
 /// A document that says who made it.
