@@ -18,6 +18,22 @@ pub(in crate::io::gltf) struct Packed<'a> {
     pub(in crate::io::gltf) buffers: Vec<Range<usize>>,
 }
 
+/// Where everything goes.
+struct Plan<'a> {
+    pieces: Vec<Piece<'a>>,
+    /// The first of the new pieces; those before are the original's.
+    first_new: usize,
+    /// Buffer and offset of each piece.
+    places: Vec<(usize, u64)>,
+    /// The pieces of each buffer.
+    buffers: Vec<Range<usize>>,
+    lengths: Vec<u64>,
+    /// The kept parts of the original's buffers in ascending order: buffer, range, piece.
+    moved: Vec<(usize, Range<u64>, usize)>,
+    /// The original's buffers without bytes that views still need, by their new numbers.
+    placeholders: BTreeMap<usize, usize>,
+}
+
 impl<'a> Draft<'a> {
     /// Puts the original's buffers, without what nothing refers to any more, and the new pieces
     /// together into as few buffers as `limit` bytes for each allow.
@@ -33,23 +49,27 @@ impl<'a> Draft<'a> {
             self.decompress(given)?;
         }
         self.compact();
-        let mut pieces = Vec::new();
-        // Where the kept parts of the original's buffers went: buffer, range, piece.
-        let mut moved: Vec<(usize, Range<u64>, usize)> = Vec::new();
-        let mut placeholders: Vec<(usize, Value)> = Vec::new();
-        let old: Vec<Value> = std::mem::take(self.list("buffers"));
-        let mut cuts = self.cuts();
-        let needed: BTreeSet<usize> = self.old_views().filter_map(|view| index(view.get("buffer")?)).collect();
-        // Readers take what views name, whatever a sloppy writer has declared of their buffer.
-        let mut named: BTreeMap<usize, u64> = BTreeMap::new();
-        for view in self.old_views() {
-            let number = |name: &str| view.get(name).and_then(Value::as_u64).unwrap_or(0);
-            let end = number("byteOffset").saturating_add(number("byteLength"));
-            if let Some(buffer) = view.get("buffer").and_then(index) {
-                let last = named.entry(buffer).or_insert(end);
-                *last = end.max(*last);
+        let old = std::mem::take(self.list("buffers"));
+        let plan = self.plan(&old, given, limit)?;
+        let stand_in = self.move_views(&plan);
+        self.describe_buffers(&plan, &old);
+        if !self.coded.is_empty() {
+            self.add_stand_in(stand_in);
+        }
+        for list in ["buffers", "bufferViews", "accessors", "materials", "textures", "images", "samplers"] {
+            if self.root.get(list).and_then(Value::as_array).is_some_and(Vec::is_empty) {
+                self.root.remove(list);
             }
         }
+        Ok(Packed { root: self.root, pieces: plan.pieces, buffers: plan.buffers })
+    }
+
+    /// Gives every piece a place; the new pieces go over to the plan.
+    fn plan(&mut self, old: &[Value], given: Option<&'a Buffers<'_>>, limit: u64) -> Result<Plan<'a>, ParseError> {
+        let (mut pieces, mut moved, mut without_bytes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut cuts = self.cuts();
+        let needed: BTreeSet<usize> = self.old_views().filter_map(|view| index(view.get("buffer")?)).collect();
+        let named = self.named_lengths();
         for (b, buffer) in old.iter().enumerate() {
             let bytes = match given {
                 Some(given) => given.whole(b)?,
@@ -58,7 +78,7 @@ impl<'a> Draft<'a> {
             let Some(bytes) = bytes else {
                 // One that stood for what compressed views decode to has done its duty.
                 if needed.contains(&b) {
-                    placeholders.push((b, buffer.clone()));
+                    without_bytes.push(b);
                 }
                 continue;
             };
@@ -72,7 +92,6 @@ impl<'a> Draft<'a> {
         let first_new = pieces.len();
         pieces.append(&mut self.pieces);
 
-        // Buffer and offset of each piece.
         let mut places = Vec::with_capacity(pieces.len());
         let mut buffers: Vec<Range<usize>> = Vec::new();
         let mut lengths: Vec<u64> = Vec::new();
@@ -89,42 +108,37 @@ impl<'a> Draft<'a> {
                 lengths.push(piece.len());
             }
         }
+        let placeholders = without_bytes.into_iter().zip(lengths.len()..).collect();
+        Ok(Plan { pieces, first_new, places, buffers, lengths, moved, placeholders })
+    }
 
-        let real = lengths.len();
-        let renumbered: BTreeMap<usize, usize> = placeholders.iter().map(|(old, _)| *old).zip(real..).collect();
-        let first_coded = real + placeholders.len();
-        let number_of = |b: usize| renumbered.get(&b).copied();
-        let find = |b: usize, start: u64| {
-            let at = moved.partition_point(|(buffer, range, _)| (*buffer, range.start) <= (b, start));
-            let (buffer, range, piece) = moved.get(at.checked_sub(1)?)?;
-            (*buffer == b && start <= range.end).then(|| {
-                let (new, offset) = places[*piece];
-                (new, offset + (start - range.start))
-            })
-        };
-        let placed = &self.placed;
-        // Where a reader that cannot decode would find the bytes, in a buffer that has none.
+    /// Lets every view show where its bytes are now, and gives the length of the buffer without bytes in which a reader
+    /// that cannot decode would find them.
+    fn move_views(&mut self, plan: &Plan<'_>) -> u64 {
+        let Draft { root, placed, coded, .. } = self;
         let mut stand_in: u64 = 0;
-        for (v, view) in
-            self.root.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten().enumerate()
-        {
+        for (v, view) in root.get_mut("bufferViews").and_then(Value::as_array_mut).into_iter().flatten().enumerate() {
             match placed.get(&v) {
                 Some(&piece) => {
-                    let (buffer, offset) = places[first_new + piece];
-                    match self.coded.get(&piece) {
-                        Some(coding) => coding.describe(view, [buffer, first_coded], offset, &mut stand_in),
+                    let (buffer, offset) = plan.places[plan.first_new + piece];
+                    match coded.get(&piece) {
+                        Some(coding) => coding.describe(view, [buffer, plan.count()], offset, &mut stand_in),
                         None => put(view, buffer, offset),
                     }
                 }
-                None => relocate(view, &find, &number_of),
+                None => plan.relocate(view),
             }
         }
+        stand_in
+    }
 
+    /// Lists the buffers of a plan.
+    fn describe_buffers(&mut self, plan: &Plan<'_>, old: &[Value]) {
         // A lone buffer keeps what the original says of its own.
-        let mut described = old.iter().enumerate().filter(|(b, _)| number_of(*b).is_none()).map(|(_, buffer)| buffer);
-        let description = described.next().filter(|_| described.next().is_none() && real == 1);
+        let mut described = (0..old.len()).filter(|b| !plan.placeholders.contains_key(b)).map(|b| &old[b]);
+        let description = described.next().filter(|_| described.next().is_none() && plan.lengths.len() == 1);
         let list = self.list("buffers");
-        for length in lengths {
+        for &length in &plan.lengths {
             let mut buffer = description.cloned().unwrap_or_else(|| json!({}));
             if let Some(buffer) = buffer.as_object_mut() {
                 buffer.remove("uri");
@@ -132,16 +146,22 @@ impl<'a> Draft<'a> {
             }
             list.push(buffer);
         }
-        list.extend(placeholders.into_iter().map(|(_, buffer)| buffer));
-        if !self.coded.is_empty() {
-            self.add_stand_in(stand_in);
-        }
-        for list in ["buffers", "bufferViews", "accessors", "materials", "textures", "images", "samplers"] {
-            if self.root.get(list).and_then(Value::as_array).is_some_and(Vec::is_empty) {
-                self.root.remove(list);
+        list.extend(plan.placeholders.keys().map(|&b| old[b].clone()));
+    }
+
+    /// How far views reach into each of the original's buffers. Readers take what views name, whatever a sloppy writer
+    /// has declared of their buffer.
+    fn named_lengths(&self) -> BTreeMap<usize, u64> {
+        let mut named: BTreeMap<usize, u64> = BTreeMap::new();
+        for view in self.old_views() {
+            let number = |name: &str| view.get(name).and_then(Value::as_u64).unwrap_or(0);
+            let end = number("byteOffset").saturating_add(number("byteLength"));
+            if let Some(buffer) = view.get("buffer").and_then(index) {
+                let last = named.entry(buffer).or_insert(end);
+                *last = end.max(*last);
             }
         }
-        Ok(Packed { root: self.root, pieces, buffers })
+        named
     }
 
     /// The original's views that still show its own bytes.
@@ -202,6 +222,34 @@ impl<'a> Draft<'a> {
     }
 }
 
+impl Plan<'_> {
+    /// Of buffers, with those without bytes.
+    fn count(&self) -> usize {
+        self.lengths.len() + self.placeholders.len()
+    }
+
+    /// Where a place in a kept part of an original's buffer is now.
+    fn find(&self, buffer: usize, start: u64) -> Option<(usize, u64)> {
+        let at = self.moved.partition_point(|(b, range, _)| (*b, range.start) <= (buffer, start));
+        let (b, range, piece) = self.moved.get(at.checked_sub(1)?)?;
+        (*b == buffer && start <= range.end).then(|| {
+            let (new, offset) = self.places[*piece];
+            (new, offset + (start - range.start))
+        })
+    }
+
+    /// Follows bytes to where they are now.
+    fn relocate(&self, object: &mut Value) {
+        let Some(buffer) = object.get("buffer").and_then(index) else { return };
+        let start = object.get("byteOffset").and_then(Value::as_u64).unwrap_or(0);
+        if let Some((buffer, offset)) = self.find(buffer, start) {
+            put(object, buffer, offset);
+        } else if let Some(&number) = self.placeholders.get(&buffer) {
+            object["buffer"] = number.into();
+        }
+    }
+}
+
 /// Ranges of each buffer, widened to whole multiples of the alignment, sorted and put together.
 fn merged(ranges: impl Iterator<Item = (usize, Range<u64>)>) -> BTreeMap<usize, Vec<Range<u64>>> {
     let mut all: BTreeMap<usize, Vec<Range<u64>>> = BTreeMap::new();
@@ -244,20 +292,5 @@ pub(super) fn put(object: &mut Value, buffer: usize, offset: u64) {
         && object.get("byteOffset").is_some_and(|old| old != 0)
     {
         object.remove("byteOffset");
-    }
-}
-
-/// Follows bytes to where they are now.
-fn relocate(
-    object: &mut Value,
-    find: &dyn Fn(usize, u64) -> Option<(usize, u64)>,
-    number_of: &dyn Fn(usize) -> Option<usize>,
-) {
-    let Some(buffer) = object.get("buffer").and_then(index) else { return };
-    let start = object.get("byteOffset").and_then(Value::as_u64).unwrap_or(0);
-    if let Some((buffer, offset)) = find(buffer, start) {
-        put(object, buffer, offset);
-    } else if let Some(number) = number_of(buffer) {
-        object["buffer"] = number.into();
     }
 }
