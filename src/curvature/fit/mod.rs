@@ -183,7 +183,8 @@ fn look_aside<'g>(
         ground.work.advance(0);
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
         let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
-            out.method != Method::OneSided && quality.is_open() && strips::is_long(mesh, face)
+            let is_open = quality.is_open() && strips::is_in_row(mesh, face);
+            out.method != Method::OneSided && (is_open || strips::is_explained_by_chance(mesh, face, quality))
         };
         for (face, (out, quality)) in faces.filter(|(face, (out, quality))| is_open(*face, out, quality)) {
             if let Some(reading) = strips::reading(&mut worker.surveyor, face, quality) {
@@ -243,6 +244,9 @@ impl<'g> Worker<'g> {
                 let [reading, ..] = self.surveyor.readings(g, fit, &fit.simple, &[face]);
                 // Windows of long facets lie apart at both ends, and some surface nearly passes through any two parts.
                 let reading = reading.filter(|r| !r.quality.is_uneven || !strips::is_slender(mesh, g))?;
+                if !one_sided::turns_as_mesh(mesh, face, &reading.principal) {
+                    return None;
+                }
                 Some(value_of(&reading, Method::OneSided, self.options))
             })
         })

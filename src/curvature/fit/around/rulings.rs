@@ -5,7 +5,7 @@ use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::{DMat3, DVec3};
 
 /// A fold this much below the sharpest is a diagonal of a flat cell.
-const NO_FOLD: f64 = 1e-3;
+pub(in crate::curvature::fit) const NO_FOLD: f64 = 1e-3;
 
 /// Inner edges and how sharply the surface folds there.
 pub(in crate::curvature::fit) struct Folds {

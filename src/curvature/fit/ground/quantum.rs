@@ -1,6 +1,6 @@
 //! How exactly a mesh's coordinates are written.
 
-use crate::mesh::Mesh;
+use crate::mesh::{EdgeKind, Face, HalfEdge, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -64,7 +64,38 @@ pub(in crate::curvature::fit) fn quantum(mesh: &Mesh, width: f64) -> Quantum {
     let size = mesh.report().bounds.map_or(0.0, |b| b.size().max_element());
     let are_rounded = digits.decimals <= MOST_DIGITS && decimal <= ROUGHEST * size.min(FAR * sheet);
     let of_mesh = of_one * size.min(sheet);
-    Quantum { origin, of_one, least: if are_rounded { decimal.max(of_mesh) } else { of_mesh } }
+    let written = if are_rounded { decimal.max(of_mesh) } else { of_mesh };
+    let quantum = Quantum { origin, of_one, least: written };
+    Quantum { least: written.max(hidden(mesh, &quantum).min(ROUGHEST * size.min(sheet))), ..quantum }
+}
+
+/// The rounding that coordinates had before they were scaled, turned or moved, which their digits do not tell: flats do,
+/// whose faces lie in one plane but for it. 0 where nothing tells of any.
+fn hidden(mesh: &Mesh, written: &Quantum) -> f64 {
+    /// Faces looked at.
+    const FACES: usize = 4096;
+    /// The share of the sharper folds below which a fold is none.
+    const NO_FOLD: f64 = 1e-4;
+    /// Least share of edges that have to tell.
+    const LEAST: f64 = 0.1;
+    let step = mesh.face_count().div_ceil(FACES);
+    let faces = (0..mesh.face_count()).step_by(step).map(|f| Face(f as u32)).filter(|&f| mesh.is_sound(f));
+    let inner = faces.flat_map(Face::half_edges).filter(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
+    // How far the corner beyond an edge is off the plane, and its share of the height there: the angle of the fold.
+    let fold = |h: HalfEdge| {
+        let twin = mesh.topology().twin(h)?;
+        let corner = mesh.position(mesh.topology().apex(twin));
+        let off = (corner - mesh.position(mesh.topology().origin(h))).dot(mesh.normal(h.face())).abs();
+        let slack = 4.0 * written.around(corner, mesh.height(twin));
+        Some((off / mesh.height(twin), off, off > slack))
+    };
+    let mut folds: Vec<(f64, f64, bool)> = inner.filter_map(fold).filter(|fold| fold.0.is_finite()).collect();
+    folds.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(sharp, ..)) = folds.get(folds.len() * 9 / 10) else { return 0.0 };
+    let flat = folds.iter().take_while(|fold| fold.0 < NO_FOLD * sharp).filter(|fold| fold.2);
+    let mut off: Vec<f64> = flat.map(|fold| fold.1).collect();
+    off.sort_by(f64::total_cmp);
+    if (off.len() as f64) < LEAST * folds.len() as f64 { 0.0 } else { off.get(off.len() / 2).copied().unwrap_or(0.0) }
 }
 
 impl Digits {
@@ -96,6 +127,7 @@ mod tests {
     use super::*;
     use crate::mesh::MeshOptions;
     use crate::soup::{Positions, Soup};
+    use crate::synth::{Grid, RoundedBox, Surface};
 
     fn quantum_of(points: [[f64; 3]; 3]) -> f64 {
         let soup = Soup::new(Positions::F64(points.to_vec()), vec![[0, 1, 2]]);
@@ -117,6 +149,38 @@ mod tests {
         ] {
             let found = quantum_of([[0.0, 0.0, 0.0], [x, 0.0, 0.0], [0.0, y, 0.0]]);
             assert!((found / expected - 1.0).abs() < 1e-12, "{x} {y}: {found}");
+        }
+    }
+
+    /// 32-bit coordinates in other units, written with all digits, are no more exact than they were, as flats and flat
+    /// cells tell; those that were computed with all digits are what they seem.
+    #[test]
+    fn flats_tell_of_a_rounding_that_digits_do_not() {
+        let of = |soup: &Soup, change: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            let points = (0..soup.positions.len()).map(|v| change(soup.positions.get(v).to_array())).collect();
+            let soup = Soup::new(Positions::F64(points), soup.triangles.clone());
+            let mesh = Mesh::from_soup(&soup, &MeshOptions::default()).expect("a mesh");
+            quantum(&mesh, 1.0).around(DVec3::ZERO, 0.0)
+        };
+        let turned = |[x, y, z]: [f64; 3]| [0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y, z + 0.1];
+        let inches = |p: [f64; 3]| turned(p).map(|c| f64::from(c as f32) * 25.4);
+        let box_ = RoundedBox {
+            size: DVec3::new(4.0, 3.0, 2.0),
+            fillet: 0.5,
+            flat_cells: 6,
+            fillet_cells: 3,
+            noise: 0.0,
+            seed: 0,
+        }
+        .build()
+        .soup;
+        // Its cells are flat.
+        let torus = Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 200, 100).build().soup;
+        let wave = Grid::new(Surface::Wave, 100, 100).build().soup;
+        for (soup, has_flats) in [(box_, true), (torus, true), (wave, false)] {
+            assert!(of(&soup, &turned) < 1e-14, "{}", of(&soup, &turned));
+            let found = of(&soup, &inches);
+            assert!(if has_flats { (1e-7..1e-5).contains(&found) } else { found < 1e-13 }, "{found}");
         }
     }
 }

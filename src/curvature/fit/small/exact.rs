@@ -13,7 +13,7 @@ use crate::curvature::fit::surface::polynomial::{
 };
 use crate::curvature::fit::surface::shape::{half_angle, tangents};
 use crate::curvature::vectors::four::{F4, Kernel, LANES, Real, V3, run, which};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 /// A fitted surface and how far to trust it.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,20 @@ pub(in crate::curvature::fit) struct Fit {
     /// Standard error of the shape tensor (its Frobenius norm) that the misfit of the chosen surface
     /// implies, 1/length.
     pub(super) error: f64,
+}
+
+impl Fit {
+    /// The plane through the middle of the same window, in which vertices lie up to a distance.
+    pub(super) fn on_plane(&self, normal: DVec3, misfit: f64) -> Self {
+        let frame = self.surface.frame;
+        let surface = Implicit::plane(frame, normal);
+        Fit { surface, simple: surface.f, misfit, error: misfit / frame.unit.powi(2), ..*self }
+    }
+
+    /// True for a plane.
+    pub(super) fn is_flat(&self) -> bool {
+        self.surface.f.size == PLANE
+    }
 }
 
 /// What became of a window.

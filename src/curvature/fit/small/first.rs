@@ -1,16 +1,17 @@
 //! The first look at every face: fits that serve a face and its neighbours.
 
-use super::exact::{Fit, Fitter, Outcome};
+use super::exact::{Fit, Fits, Fitter, Outcome};
 use super::groups::{Group, Groups};
 use crate::curvature::fit::around::batch::Batch;
 use crate::curvature::fit::around::window::StripWindow;
 use crate::curvature::fit::ground::Ground;
 use crate::curvature::fit::ground::quantum::Quantum;
 use crate::curvature::fit::ground::stars::Mark;
-use crate::curvature::fit::surface::polynomial::Polynomial;
+use crate::curvature::fit::surface::polynomial::{PARABOLOID, Polynomial, QUADRIC};
 use crate::curvature::fit::surface::shape::Principal;
 use crate::curvature::vectors::four::{F4, Kernel, LANES, Real, V3, run};
 use crate::mesh::{Face, Mesh};
+use glam::DVec3;
 use std::ops::Range;
 
 /// A fit whose tensor is expected to be off by less than this share of the curvature needs no help.
@@ -37,11 +38,19 @@ pub(in crate::curvature::fit) struct Quality {
     pub(in crate::curvature::fit) is_doubtful: bool,
     /// True where they may be far off, whatever explains the misfit: many surfaces pass through the window.
     pub(super) is_vague: bool,
+    /// True where it takes more than a quadric to explain the window.
+    pub(super) has_many_terms: bool,
 }
 
 impl Quality {
-    pub(in crate::curvature::fit) const NO_FIT: Quality =
-        Quality { seed: Face(u32::MAX), misfit: f32::INFINITY, is_uneven: false, is_doubtful: false, is_vague: true };
+    pub(in crate::curvature::fit) const NO_FIT: Quality = Quality {
+        seed: Face(u32::MAX),
+        misfit: f32::INFINITY,
+        is_uneven: false,
+        is_doubtful: false,
+        is_vague: true,
+        has_many_terms: false,
+    };
 
     /// True where no surface explains the window of the face, or too many do.
     pub(in crate::curvature::fit) fn is_open(&self) -> bool {
@@ -162,7 +171,7 @@ impl<'g> Surveyor<'g> {
         let mut is_even = true;
         for (lane, group) in served.drain(..).enumerate() {
             let seed = self.batch.seeds[lane];
-            let fit = match fits.outcome(&self.batch, lane) {
+            let fit = match self.outcome(&fits, lane) {
                 Outcome::Fitted(fit) => fit,
                 outcome => {
                     match outcome {
@@ -177,7 +186,9 @@ impl<'g> Surveyor<'g> {
             for faces in group.faces().chunks(LANES) {
                 let readings = self.readings(seed, &fit, &fit.surface.f, faces);
                 for (&face, reading) in faces.iter().zip(readings) {
-                    let serves = |r: &Reading| !r.quality.is_doubtful && self.is_near(&fit, face);
+                    let serves = |r: &Reading| {
+                        !r.quality.is_doubtful && self.is_near(&fit, face) && (!fit.is_flat() || self.is_in(&fit, face))
+                    };
                     if face == seed || reading.as_ref().is_some_and(serves) {
                         is_even &= reading.as_ref().is_some_and(|r| !r.quality.is_uneven);
                         tell(face, reading);
@@ -189,6 +200,49 @@ impl<'g> Surveyor<'g> {
         }
         self.batch.clear();
         is_even
+    }
+
+    /// What became of a window in a lane. One that lies on a flat is that flat, whatever explains its rim as well: a
+    /// surface of two sheets would, and see the wrong one there.
+    fn outcome(&self, fits: &Fits, lane: usize) -> Outcome {
+        match fits.outcome(&self.batch, lane) {
+            Outcome::Fitted(fit) if fit.simple.size > PARABOLOID => {
+                Outcome::Fitted(self.flat(lane, &fit).unwrap_or(fit))
+            }
+            outcome => outcome,
+        }
+    }
+
+    /// The plane of a lane's face, where it holds most of the window and all that is around a corner of the face. No
+    /// smooth surface that bends does that.
+    fn flat(&self, lane: usize, fit: &Fit) -> Option<Fit> {
+        /// Least share of the window in the plane: less are a few vertices in a row, near enough.
+        const MOST: f64 = 0.6;
+        let (ground, batch, seed) = (self.ground, &self.batch, self.batch.seeds[lane]);
+        let (normal, centre) = (ground.mesh.normal(seed), batch.centres[lane]);
+        let reach = self.rounding(fit);
+        let is_in = |&v: &u32| (ground.position(v) - centre).dot(normal).abs() <= reach;
+        let is_flat_around = |v: u32| ground.stars.is_inside(v) && ground.stars.neighbours(v).iter().all(is_in);
+        if !ground.mesh.topology().corners(seed).into_iter().any(|v| is_flat_around(v.0)) {
+            return None;
+        }
+        let points = &batch.points[..batch.counts[lane]];
+        let inside = points.iter().filter(|points| points.get(lane).dot(normal).abs() <= reach).count();
+        (inside as f64 > MOST * points.len() as f64)
+            .then(|| fit.on_plane(normal, self.quantum.around(centre, fit.surface.frame.unit)))
+    }
+
+    /// How far off a plane vertices of a fit's window look by rounding.
+    fn rounding(&self, fit: &Fit) -> f64 {
+        let frame = &fit.surface.frame;
+        4.0 * self.quantum.around(frame.origin, frame.unit) + ARITHMETIC * fit.radius
+    }
+
+    /// Whether a face lies in the plane that a fit found.
+    fn is_in(&self, fit: &Fit, face: Face) -> bool {
+        let (surface, reach) = (&fit.surface, 2.0 * self.rounding(fit));
+        let height = |p: DVec3| surface.value(surface.frame.to_local(p)).abs() * surface.frame.unit;
+        self.ground.mesh.triangle(face).into_iter().all(|p| height(p) <= reach)
     }
 
     fn is_near(&self, fit: &Fit, face: Face) -> bool {
@@ -228,20 +282,26 @@ impl<'g> Surveyor<'g> {
                 radius: fit.radius,
                 coverage: fit.coverage,
                 error: fit.error,
-                quality: Quality { seed, misfit, is_uneven, is_doubtful, is_vague },
+                quality: Quality { seed, misfit, is_uneven, is_doubtful, is_vague, has_many_terms: f.size > QUADRIC },
             })
         })
+    }
+
+    /// Fits the only window that is loaded.
+    fn fit_loaded(&mut self) -> Outcome {
+        let fits = self.fitter.fit(&self.batch);
+        self.outcome(&fits, 0)
     }
 
     /// The fit around a face, with rulings where it needs them.
     pub(super) fn fit(&mut self, seed: Face) -> Option<Fit> {
         self.batch.clear();
         self.batch.load(self.ground, seed);
-        let mut outcome = self.fitter.fit(&self.batch).outcome(&self.batch, 0);
+        let mut outcome = self.fit_loaded();
         if matches!(outcome, Outcome::NeedsRulings) {
             self.batch.clear();
             self.batch.load_with_rulings(self.ground, seed);
-            outcome = self.fitter.fit(&self.batch).outcome(&self.batch, 0);
+            outcome = self.fit_loaded();
         }
         match outcome {
             Outcome::Fitted(fit) => Some(fit),
@@ -263,7 +323,7 @@ impl<'g> Surveyor<'g> {
         self.batch.clear();
         windows.into_iter().for_each(|window| self.batch.load_strip(self.ground, face, window));
         let fits = self.fitter.fit(&self.batch);
-        std::array::from_fn(|lane| match fits.outcome(&self.batch, lane) {
+        std::array::from_fn(|lane| match self.outcome(&fits, lane) {
             Outcome::Fitted(fit) => self.readings(face, &fit, &fit.surface.f, &[face])[0],
             Outcome::NeedsRulings | Outcome::None => None,
         })
@@ -274,7 +334,7 @@ impl<'g> Surveyor<'g> {
         self.batch.clear();
         seeds.iter().for_each(|&seed| self.batch.load(self.ground, seed));
         let fits = self.fitter.fit(&self.batch);
-        std::array::from_fn(|lane| match fits.outcome(&self.batch, lane) {
+        std::array::from_fn(|lane| match self.outcome(&fits, lane) {
             Outcome::Fitted(fit) => Some(fit),
             Outcome::NeedsRulings | Outcome::None => None,
         })

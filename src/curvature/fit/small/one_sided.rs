@@ -10,7 +10,8 @@ use crate::curvature::fit::around::window::Window;
 use crate::curvature::fit::ground::Ground;
 use crate::curvature::fit::ground::normals::oriented_area;
 use crate::curvature::fit::surface::implicit::Implicit;
-use crate::mesh::{Face, Mesh};
+use crate::curvature::fit::surface::shape::Principal;
+use crate::mesh::{EdgeKind, Face, Mesh};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -40,6 +41,30 @@ pub(in crate::curvature::fit) fn lies_on(fit: &Fit, triangle: [DVec3; 3]) -> boo
         surface.value(corners[i]).abs() <= reach * gradients[i].length()
             && lean.abs() <= LEAN * corners[j].distance(corners[i])
     })
+}
+
+/// True where a surface turns over a face by no more than a few times what the mesh does around it. One of two sheets may
+/// hold all vertices, and turn from one to the other between them.
+pub(in crate::curvature::fit) fn turns_as_mesh(mesh: &Mesh, face: Face, principal: &Principal) -> bool {
+    /// Facets that share an edge fold by what half of each turns, unless they are of very different widths.
+    const MOST: f64 = 4.0;
+    /// Turns that mean nothing, in radians.
+    const SLIGHT: f64 = 1e-3;
+    let across = |face: Face| {
+        let sides = face.half_edges().into_iter().filter(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
+        sides.filter_map(|h| Some(mesh.topology().twin(h)?.face()))
+    };
+    let normal = mesh.normal(face);
+    let fold = |other: Face| normal.cross(mesh.normal(other)).length();
+    let folds = across(face).flat_map(|other| across(other).chain([other])).map(fold);
+    let most = MOST * folds.fold(0.0, f64::max);
+    let corners = mesh.triangle(face);
+    let turn = |k: f64, direction: DVec3| {
+        let along = corners.map(|p| p.dot(direction));
+        k.abs() * (along.into_iter().fold(f64::MIN, f64::max) - along.into_iter().fold(f64::MAX, f64::min))
+    };
+    let turns = turn(principal.k_max, principal.dir_max.into()).max(turn(principal.k_min, principal.dir_min.into()));
+    turns <= most.max(SLIGHT)
 }
 
 /// True where a misfit is so much less than a face's own that a jump may lie between.

@@ -6,7 +6,7 @@
 //! on one side of it explains itself best, as in [`super::one_sided`].
 
 use super::first::{Quality, Reading, Surveyor};
-use crate::curvature::fit::around::rulings::{Folds, rulings};
+use crate::curvature::fit::around::rulings::{Folds, NO_FOLD, rulings};
 use crate::curvature::fit::around::window::StripWindow;
 use crate::curvature::fit::ground::normals::scaled_normal;
 use crate::curvature::fit::surface::polynomial::PLANE;
@@ -45,6 +45,20 @@ struct Strip {
     middle: usize,
 }
 
+/// What a run says, and how it compares with others.
+struct Scored {
+    /// Least first: whether it jumps, the power of ten of its error, how far aside it lies, its error.
+    key: [f64; 4],
+    reading: Reading,
+}
+
+impl Scored {
+    /// False where the run reaches over a jump.
+    fn is_on_one_side(&self) -> bool {
+        self.key[0] == 0.0
+    }
+}
+
 /// The two long edges of a sound facet whose shortest side is less than a share of its longest.
 fn long_edges(mesh: &Mesh, face: Face, share: f64) -> Option<[HalfEdge; 2]> {
     if !mesh.is_sound(face) {
@@ -57,8 +71,56 @@ fn long_edges(mesh: &Mesh, face: Face, share: f64) -> Option<[HalfEdge; 2]> {
     (sides[0].0 < share * share * sides[2].0).then_some([sides[1].1, sides[2].1])
 }
 
-pub(in crate::curvature::fit) fn is_long(mesh: &Mesh, face: Face) -> bool {
+/// The edges over which a row goes on from a facet that lies in one plane with those over two of its sides: the side
+/// where the surface folds, and that of the two by which the row came, or the longer. All the facets in the plane are
+/// like one that is long: the surface does not bend along the fold.
+fn ruled_edges(mesh: &Mesh, face: Face, entered: Option<HalfEdge>) -> Option<[HalfEdge; 2]> {
+    if !mesh.is_sound(face) {
+        return None;
+    }
+    let normal = mesh.normal(face);
+    let mut sides = [(0.0, HalfEdge(0)); 3];
+    for (side, h) in sides.iter_mut().zip(face.half_edges()) {
+        let twin = mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner)?;
+        *side = (normal.cross(mesh.normal(twin.face())).length(), h);
+    }
+    sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [(_, a), (most, b), (sine, fold)] = sides;
+    let longer = || if mesh.height(a) < mesh.height(b) { a } else { b };
+    let over = entered.filter(|h| [a, b].contains(h)).unwrap_or_else(longer);
+    (most < NO_FOLD * sine).then_some([over, fold])
+}
+
+/// How a row goes on from facet to facet.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Across the folds between flat cells, and over long edges where there are none.
+    Ruled,
+    /// Over long edges.
+    Long,
+}
+
+impl Way {
+    /// The edges over which a row goes on from a facet; `entered` is that by which it came.
+    fn edges(self, mesh: &Mesh, face: Face, entered: Option<HalfEdge>) -> Option<[HalfEdge; 2]> {
+        let ruled = || ruled_edges(mesh, face, entered).filter(|_| self == Way::Ruled);
+        ruled().or_else(|| long_edges(mesh, face, LONG))
+    }
+}
+
+fn is_long(mesh: &Mesh, face: Face) -> bool {
     long_edges(mesh, face, LONG).is_some()
+}
+
+/// True where a face's window is explained by many terms, but says little: where facets lie in one plane along the folds,
+/// it holds only some six lines, and as many terms explain any six. (Long ones have windows of many lines.)
+pub(in crate::curvature::fit) fn is_explained_by_chance(mesh: &Mesh, face: Face, quality: &Quality) -> bool {
+    quality.has_many_terms && !is_long(mesh, face) && ruled_edges(mesh, face, None).is_some()
+}
+
+/// True for a facet that lies in a row.
+pub(in crate::curvature::fit) fn is_in_row(mesh: &Mesh, face: Face) -> bool {
+    Way::Ruled.edges(mesh, face, None).is_some()
 }
 
 /// True for a facet so long that the rings around it consist of two parts that lie far apart.
@@ -84,26 +146,41 @@ fn curvature_along(mesh: &Mesh, face: Face, exits: [HalfEdge; 2]) -> f64 {
     }
 }
 
+/// The curvature of the arc that the facets on both sides of an edge are chords of: it turns by half of what either
+/// chord spans. `None` where they fold by more than any arc.
+fn arc_curvature(mesh: &Mesh, edge: HalfEdge) -> Option<f64> {
+    let twin = mesh.topology().twin(edge)?;
+    let [a, b] = [edge, twin].map(|h| mesh.height(h));
+    let (n, m) = (mesh.normal(edge.face()), mesh.normal(twin.face()));
+    let fold = n.cross(m).length().atan2(n.dot(m));
+    let mut k = 2.0 * fold / (a + b);
+    // What the half angles of chords exceed their sines by is little where they fold by no sharp edge.
+    for _ in 0..4 {
+        let half = [a, b].map(|chord| (0.5 * k * chord).asin());
+        k *= fold / (half[0] + half[1]);
+    }
+    k.is_finite().then_some(k)
+}
+
 impl Strip {
-    /// The strip around a long facet.
-    fn around(mesh: &Mesh, seed: Face) -> Option<Self> {
-        let exits = long_edges(mesh, seed, LONG)?;
+    /// The strip around a facet of a row.
+    fn around(mesh: &Mesh, seed: Face, way: Way, exits: [HalfEdge; 2]) -> Self {
         let mut strip = Strip { faces: vec![seed], between: Vec::new(), bounds: Vec::new(), middle: 0 };
-        strip.walk(mesh, exits[0]);
+        strip.walk(mesh, way, exits[0]);
         strip.faces.reverse();
         strip.between.reverse();
         let at = strip.faces.len() - 1;
-        strip.walk(mesh, exits[1]);
+        strip.walk(mesh, way, exits[1]);
         let folds = Folds::of(mesh, strip.between.iter().copied());
         strip.bounds = (0..=strip.faces.len())
             .filter(|&i| i == 0 || i == strip.faces.len() || !folds.has_diagonals || !folds.is_diagonal(i - 1))
             .collect();
         strip.middle = strip.bounds.partition_point(|&b| b <= at) - 1;
-        Some(strip)
+        strip
     }
 
-    /// Goes over long edges until the facets are long no more.
-    fn walk(&mut self, mesh: &Mesh, mut exit: HalfEdge) {
+    /// Goes over edges until the facets are in a row no more.
+    fn walk(&mut self, mesh: &Mesh, way: Way, mut exit: HalfEdge) {
         for _ in 0..REACH {
             let inner = |h: HalfEdge| mesh.topology().twin(h).filter(|_| mesh.edge_kind(h) == EdgeKind::Inner);
             let Some(twin) = inner(exit) else { return };
@@ -113,14 +190,52 @@ impl Strip {
                 return;
             }
             // Round a closed strip, facets come again.
-            let Some(exits) = long_edges(mesh, face, LONG).filter(|e| e.contains(&twin) && !self.faces.contains(&face))
-            else {
-                return;
-            };
+            let exits = way.edges(mesh, face, Some(twin)).filter(|exits| exits.contains(&twin));
+            let Some(exits) = exits.filter(|_| !self.faces.contains(&face)) else { return };
             self.faces.push(face);
             self.between.push(exit);
             exit = if exits[0] == twin { exits[1] } else { exits[0] };
         }
+    }
+
+    /// The run that tells most of the middle, of those that `counts` holds for, if it tells more than another strip.
+    fn best(
+        &self,
+        surveyor: &mut Surveyor<'_>,
+        face: Face,
+        other: Option<Scored>,
+        counts: impl Fn(&Reading) -> bool,
+    ) -> Option<Scored> {
+        let mesh = surveyor.mesh();
+        let middle = self.bounds[self.middle]..self.bounds[self.middle + 1];
+        let sizes = if self.is_paired(&middle) { PAIRED } else { ALTERNATING };
+        let mut best = other;
+        for triangles in sizes {
+            for runs in self.runs(triangles).chunks(LANES) {
+                let windows = runs.iter().map(|run| self.window(mesh, run.clone())).collect();
+                for (run, reading) in runs.iter().zip(surveyor.read_strips(face, windows)) {
+                    let Some(reading) = reading.map(|reading| self.by_arcs(mesh, run, reading)).filter(&counts) else {
+                        continue;
+                    };
+                    // In powers of ten: among equals the one about the face.
+                    let power =
+                        if reading.quality.is_uneven { reading.error.log10().floor() } else { f64::NEG_INFINITY };
+                    let aside = (run.start + run.end).abs_diff(middle.start + middle.end);
+                    let key = [f64::from(self.is_jumping(mesh, run)), power, aside as f64, reading.error];
+                    if best.as_ref().is_none_or(|best| key < best.key) {
+                        best = Some(Scored { key, reading });
+                    }
+                }
+                if best.as_ref().is_some_and(|best| best.key[..2] == [0.0, f64::NEG_INFINITY]) {
+                    break;
+                }
+            }
+            // Smaller ones only where the larger reach over a jump.
+            if best.as_ref().is_some_and(Scored::is_on_one_side) {
+                break;
+            }
+        }
+        best
     }
 
     /// Runs of whole cells, of no more than needed for so many triangles, that hold the middle; those about it first.
@@ -136,6 +251,42 @@ impl Strip {
     /// Whether all facets between two places belong to flat cells of several.
     fn is_paired(&self, run: &Range<usize>) -> bool {
         self.bounds.windows(2).filter(|b| run.contains(&b[0])).all(|b| b[1] - b[0] > 1)
+    }
+
+    /// The bounds between the flat cells of a run, and the curvature of the arc that both cells beside each are chords of.
+    fn arcs(&self, mesh: &Mesh, run: &Range<usize>) -> Vec<(usize, f64)> {
+        let arc = |&bound: &usize| Some((bound, arc_curvature(mesh, self.between[bound - 1])?));
+        self.bounds.iter().filter(|&&bound| run.start < bound && bound < run.end).filter_map(arc).collect()
+    }
+
+    /// Whether the folds between flat cells tell of a jump of curvature, or there are too few to tell.
+    fn is_jumping(&self, mesh: &Mesh, run: &Range<usize>) -> bool {
+        /// Least share of the largest curvature in a run.
+        const LEAST: f64 = 0.8;
+        if !self.is_paired(run) {
+            return false;
+        }
+        let arcs = self.arcs(mesh, run);
+        let (least, most) = arcs.iter().fold((f64::MAX, 0.0), |(l, m), arc| (arc.1.min(l), arc.1.max(m)));
+        arcs.len() < 2 || least < LEAST * most
+    }
+
+    /// A reading of a run, whose curvature is that of the arcs beside the middle where the run is of three cells: many
+    /// surfaces pass through their four folds.
+    fn by_arcs(&self, mesh: &Mesh, run: &Range<usize>, mut reading: Reading) -> Reading {
+        let arcs = if self.is_paired(run) { self.arcs(mesh, run) } else { Vec::new() };
+        let [a, b] = arcs[..] else { return reading };
+        let beside = |bound: usize| self.bounds[self.middle..=self.middle + 1].contains(&bound);
+        let size = match (beside(a.0), beside(b.0)) {
+            (true, true) => 0.5 * (a.1 + b.1),
+            (true, false) => a.1,
+            _ => b.1,
+        };
+        let p = &mut reading.principal;
+        let across = if p.k_max >= -p.k_min { &mut p.k_max } else { &mut p.k_min };
+        *across = size.copysign(*across);
+        reading.error = reading.error.max(0.5 * (a.1 - b.1).abs());
+        reading
     }
 
     fn window(&self, mesh: &Mesh, run: Range<usize>) -> StripWindow {
@@ -177,40 +328,30 @@ pub(in crate::curvature::fit) fn reading(
     quality: &Quality,
 ) -> Option<Reading> {
     let mesh = surveyor.mesh();
-    let strip = Strip::around(mesh, face)?;
-    let seed = Some(quality.seed).filter(|_| quality.misfit.is_finite());
+    let is_trusted = quality.misfit.is_finite() && !is_explained_by_chance(mesh, face, quality);
+    let seed = is_trusted.then_some(quality.seed);
     let fit = seed.and_then(|seed| surveyor.fit(seed));
     // A plane that does not explain its window says nothing of its error.
     let own = fit.filter(|f| f.surface.f.size > PLANE || !quality.is_uneven).map_or(f64::INFINITY, |fit| fit.error);
     let is_uneven = quality.is_uneven || own.is_infinite();
-    let along = curvature_along(mesh, face, long_edges(mesh, face, LONG)?);
-    let middle = strip.bounds[strip.middle]..strip.bounds[strip.middle + 1];
-    let sizes = if strip.is_paired(&middle) { PAIRED } else { ALTERNATING };
-    let score = |run: &Range<usize>, reading: Reading| {
-        let across = reading.principal.size();
-        let is_even = !reading.quality.is_uneven;
-        let is_promising = reading.error < BETTER * own && !reading.quality.is_vague;
-        let is_better = is_even && is_uneven || is_promising;
-        let is_straight = across == 0.0 || along <= BENT * across;
-        // In powers of ten: among equals the one about the face.
-        let power = if is_even { f64::NEG_INFINITY } else { reading.error.log10().floor() };
-        let aside = (run.start + run.end).abs_diff(middle.start + middle.end);
-        (own > GOOD * across && is_straight && is_better).then_some(([power, aside as f64, reading.error], reading))
-    };
-    sizes.iter().find_map(|&triangles| {
-        let mut best: Option<([f64; 3], Reading)> = None;
-        for runs in strip.runs(triangles).chunks(LANES) {
-            let windows = runs.iter().map(|run| strip.window(mesh, run.clone())).collect();
-            let readings = surveyor.read_strips(face, windows);
-            for found in runs.iter().zip(readings).filter_map(|(run, reading)| score(run, reading?)) {
-                if best.as_ref().is_none_or(|best| found.0 < best.0) {
-                    best = Some(found);
-                }
-            }
-            if best.as_ref().is_some_and(|best| best.0[0].is_infinite()) {
-                break;
-            }
+    let mut rows: Vec<(Way, [HalfEdge; 2])> =
+        [Way::Ruled, Way::Long].into_iter().filter_map(|way| Some((way, way.edges(mesh, face, None)?))).collect();
+    rows.dedup_by_key(|(_, exits)| *exits);
+    let mut best: Option<Scored> = None;
+    for (way, exits) in rows {
+        let strip = Strip::around(mesh, face, way, exits);
+        let along = curvature_along(mesh, face, exits);
+        best = strip.best(surveyor, face, best, |reading| {
+            let across = reading.principal.size();
+            let is_promising = reading.error < BETTER * own && !reading.quality.is_vague;
+            let is_better = !reading.quality.is_uneven && is_uneven || is_promising;
+            let is_straight = across == 0.0 || along <= BENT * across;
+            own > GOOD * across && is_straight && is_better
+        });
+        // Another way only where this one reaches over a jump.
+        if best.as_ref().is_some_and(Scored::is_on_one_side) {
+            break;
         }
-        best.map(|best| best.1)
-    })
+    }
+    best.map(|best| best.reading)
 }

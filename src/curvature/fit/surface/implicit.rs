@@ -2,7 +2,7 @@
 
 use super::foot::Foot;
 use super::frame::LocalFrame;
-use super::polynomial::{CYCLIDE, MOST, Polynomial};
+use super::polynomial::{CYCLIDE, MOST, PLANE, Polynomial};
 use super::shape::Shape;
 use crate::curvature::vectors::four::{F4, Real};
 use glam::DVec3;
@@ -15,6 +15,14 @@ pub(in crate::curvature::fit) struct Implicit {
 }
 
 impl Implicit {
+    /// The plane through a frame's origin whose normal is not across that of the frame.
+    pub(in crate::curvature::fit) fn plane(frame: LocalFrame, normal: DVec3) -> Self {
+        let n = frame.axes.transpose() * normal;
+        let mut f = Polynomial { coefficients: [0.0; MOST], size: PLANE };
+        f.coefficients[1..PLANE].copy_from_slice(&[-n.x / n.z, -n.y / n.z]);
+        Implicit { frame, f }
+    }
+
     /// F at a local point.
     pub(in crate::curvature::fit) fn value(&self, p: DVec3) -> f64 {
         self.f.value(p.into())
