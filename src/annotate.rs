@@ -65,7 +65,8 @@ pub fn annotate(
         }
         None => {
             let values;
-            (mesh, values) = curvature::estimate_owned(mesh, &options.curvature, progress)?;
+            let estimated = curvature::estimate_owned(mesh, &options.curvature, progress);
+            (mesh, values) = estimated.map_err(|e| e.in_file(input))?;
             values
         }
     };

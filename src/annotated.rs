@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::quantity::Quantity;
 use crate::soup::{Note, Scene};
 use crate::space::Space;
-use crate::value_notes::{note_of_lost_values, note_of_weak_values};
+use crate::value_notes::{note_of_lone_faces, note_of_lost_values, note_of_weak_values};
 use crate::vertex_values::VertexValues;
 use rayon::prelude::*;
 use serde_json::Value;
@@ -149,6 +149,7 @@ impl Annotated<'_> {
         let mut notes: Vec<Note> = mesh.report().remarks().into_iter().map(Note::info).collect();
         let lost = annotation.provenance.get("reused").is_none().then(|| note_of_lost_values(mesh, values));
         notes.extend(lost.flatten());
+        notes.extend(note_of_lone_faces(mesh));
         notes.extend(note_of_weak_values(values));
         notes.extend(annotation.note_of_missing_face_numbers(format));
         if let Some(out) = &mut besides.edges {

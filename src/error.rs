@@ -122,6 +122,7 @@ impl Error {
     pub fn in_file(self, path: &Path) -> Self {
         match self {
             Error::EmptyMesh(what) => Error::EmptyMesh(format!("{}: {what}", path.display())),
+            Error::Usage(what) => Error::Usage(format!("{}: {what}", path.display())),
             other => other,
         }
     }

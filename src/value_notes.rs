@@ -17,6 +17,17 @@ pub(crate) fn note_of_lost_values(mesh: &Mesh, values: &[FaceCurvature]) -> Opti
     })
 }
 
+/// Says so where many faces have no neighbour: nothing tells how the surface bends there.
+pub(crate) fn note_of_lone_faces(mesh: &Mesh) -> Option<Note> {
+    let all = mesh.face_count();
+    let lone = (0..all as u32).into_par_iter().map(Face).filter(|&face| mesh.is_lone(face)).count();
+    (all > 1 && 10 * lone > all).then(|| {
+        Note::info(format!(
+            "{lone} of {all} faces share no edge with another: they count as flat, without confidence, since nothing tells how the surface bends there; osculate inspect says whether --weld joins them"
+        ))
+    })
+}
+
 /// Says so where many values say little: disks that borders and sharp edges cut, or uncertain fits. Values that were
 /// read from a file were judged when they were estimated.
 pub(crate) fn note_of_weak_values(values: &[FaceCurvature]) -> Option<Note> {

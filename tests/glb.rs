@@ -221,6 +221,14 @@ fn georeferenced_coordinates_keep_their_detail() {
     let p = glb.floats(&glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]);
     assert!(p.iter().all(|c| c.abs() < 10.0));
     assert!((translation[0] + f64::from(p[0]) - 4_500_000.0).abs() < 1e-3, "{translation:?}");
+
+    // A face that a program left at zero changes nothing for the others.
+    let stray = folder.path().join("stray.obj");
+    fs::write(&stray, mesh(4_500_000.0, 5_400_000.0) + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 442 443 444\n").expect("writable");
+    annotate(stray.to_str().expect("text"), &output, &["--force"]);
+    let glb = Glb::parse(&fs::read(&output).expect("a GLB"));
+    let beside = glb.floats(&glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]);
+    assert!(beside[..p.len()] == p && beside[p.len()] < -4e6);
 }
 
 /// More faces than a thread or a block of the writers takes at a time: order and threads matter here.

@@ -132,7 +132,11 @@ impl Mesh {
     ) -> Result<Mesh, Error> {
         let Welded { mut positions, faces, merged_by_distance } = welded;
         let bounds = Bounds::of(positions.iter().copied());
-        let origin = if scene.is_some() { DVec3::ZERO } else { bounds.map_or(DVec3::ZERO, origin_for) };
+        let origin = if scene.is_some() {
+            DVec3::ZERO
+        } else {
+            bounds.map_or(DVec3::ZERO, |bounds| origin_for(bounds, &positions))
+        };
         if origin != DVec3::ZERO {
             positions.par_iter_mut().for_each(|p| *p -= origin);
         }
@@ -246,6 +250,11 @@ impl Mesh {
         (a.distance(b) + b.distance(c) + c.distance(a)) / 3.0
     }
 
+    /// True for a face all of whose sides are borders.
+    pub(crate) fn is_lone(&self, face: Face) -> bool {
+        face.half_edges().into_iter().all(|h| self.edge_kind(h) == EdgeKind::Boundary)
+    }
+
     /// The height of a half-edge's face over it.
     pub(crate) fn height(&self, h: HalfEdge) -> f64 {
         let [a, b] = [self.topology.origin(h), self.topology.target(h)].map(|v| self.position(v));
@@ -357,14 +366,46 @@ impl Mesh {
 /// Per axis zero, unless the mesh lies so far from zero that 32-bit coordinates would lose more than
 /// about a millionth of its size; then the middle of its box. Coordinates there are within a factor
 /// of two of the origin, so that subtracting it is exact (Sterbenz' lemma).
-fn origin_for(bounds: Bounds) -> DVec3 {
-    const FAR: f64 = 16.0;
-    let size = bounds.size().max_element();
-    let reach = bounds.min.abs().max(bounds.max.abs());
-    let center = bounds.center();
-    let axis = |reach: f64, center: f64| if reach > FAR * size && size > 0.0 { center } else { 0.0 };
-    let origin = DVec3::new(axis(reach.x, center.x), axis(reach.y, center.y), axis(reach.z, center.z));
+///
+/// A few vertices far from all others, such as those a program left at zero, do not count.
+fn origin_for(bounds: Bounds, positions: &[DVec3]) -> DVec3 {
+    let nearer = lie_on_one_side(positions);
+    let axis = |i: usize| {
+        let without_strays = || nearer[i].then(|| middle_if_far(range_of_most(positions, i)?)).flatten();
+        middle_if_far((bounds.min[i], bounds.max[i])).or_else(without_strays).unwrap_or(0.0)
+    };
+    let origin = DVec3::new(axis(0), axis(1), axis(2));
     if origin.is_finite() { origin } else { DVec3::ZERO }
+}
+
+fn middle_if_far((low, high): (f64, f64)) -> Option<f64> {
+    const FAR: f64 = 16.0;
+    let size = high - low;
+    (low.abs().max(high.abs()) > FAR * size && size > 0.0).then_some(0.5 * (low + high))
+}
+
+/// For each axis, whether the mean of the coordinates is more than two standard deviations from zero: where it is not,
+/// most vertices do not lie far from zero, whatever a few do.
+fn lie_on_one_side(positions: &[DVec3]) -> [bool; 3] {
+    let sums = |chunk: &[DVec3]| {
+        let finite = chunk.iter().filter(|p| p.is_finite());
+        finite.fold((DVec3::ZERO, DVec3::ZERO, 0), |(sum, squares, n), &p| (sum + p, squares + p * p, n + 1))
+    };
+    let sums: Vec<(DVec3, DVec3, usize)> = positions.par_chunks(1 << 14).map(sums).collect();
+    let (sum, squares, count) =
+        sums.into_iter().fold((DVec3::ZERO, DVec3::ZERO, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
+    let (mean, squares) = (sum / count as f64, squares / count as f64);
+    [0, 1, 2].map(|i| mean[i] * mean[i] > 4.0 * (squares[i] - mean[i] * mean[i]))
+}
+
+/// The range along an axis of all but a twentieth of the vertices on either side.
+fn range_of_most(positions: &[DVec3], axis: usize) -> Option<(f64, f64)> {
+    let mut along: Vec<f64> = positions.iter().map(|p| p[axis]).filter(|c| c.is_finite()).collect();
+    let aside = along.len() / 20;
+    let last = along.len().checked_sub(1 + aside)?;
+    let low = *along.select_nth_unstable_by(aside, f64::total_cmp).1;
+    let high = *along.select_nth_unstable_by(last, f64::total_cmp).1;
+    Some((low, high))
 }
 
 fn state_of(face: [u32; 3], positions: &[DVec3]) -> FaceState {

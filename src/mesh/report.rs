@@ -228,16 +228,18 @@ impl MeshReport {
 
     /// One sentence for each defect, with the first few places.
     pub fn defects(&self) -> Vec<String> {
-        let places = |faces: &[u32]| {
+        let places = |count: usize, faces: &[u32]| {
             let list: Vec<String> = faces.iter().map(u32::to_string).collect();
-            let more = if faces.len() == FEW { ", ..." } else { "" };
+            // As many edges may be at more faces.
+            let is_all = faces.len() < FEW || faces.len() == count;
+            let more = if is_all { "" } else { ", ..." };
             format!("face {}{more}", list.join(", "))
         };
         let first = &self.first_defects;
         let mut defects = Vec::new();
         let mut tell = |count: usize, thing: &str, what: &str, faces: &[u32]| {
             if count > 0 {
-                defects.push(format!("{}{what} ({})", counted(count, thing), places(faces)));
+                defects.push(format!("{}{what} ({})", counted(count, thing), places(count, faces)));
             }
         };
         tell(self.degenerate_faces, "face", " without area, not estimated", &first.degenerate);

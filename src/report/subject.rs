@@ -12,7 +12,7 @@ use crate::quantity::Quantity;
 use crate::soup::{Group, Note};
 use crate::space::{Space, Unit};
 use crate::stored::StoredValues;
-use crate::value_notes::{note_of_lost_values, note_of_weak_values};
+use crate::value_notes::{note_of_lone_faces, note_of_lost_values, note_of_weak_values};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -84,6 +84,7 @@ impl Subject {
                 values
             }
         };
+        notes.extend(note_of_lone_faces(&mesh));
         notes.extend(note_of_weak_values(&values));
         let estimate = start.elapsed().as_secs_f64();
         Ok(Subject {
@@ -102,7 +103,7 @@ impl Subject {
 
     /// True when something was repaired or skipped, or the mesh has defects (exit code 3).
     pub(super) fn has_defects(&self) -> bool {
-        self.inspection.has_defects()
+        self.inspection.has_defects() || self.notes.iter().any(|note| note.repaired)
     }
 }
 

@@ -55,7 +55,7 @@ pub(in crate::cli) struct SynthArgs {
     #[arg(long, value_name = "U,V", value_parser = cells, conflicts_with_all = ["faces", "aspect"], help_heading = "Mesh")]
     pub(in crate::cli) cells: Option<[usize; 2]>,
 
-    /// Parameters move by up to this share of a cell at random; 0 to 0.5
+    /// Parameters move by up to this share of a cell at random; 0 or more, below 0.5
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, help_heading = "Mesh")]
     pub(in crate::cli) jitter: f64,
 

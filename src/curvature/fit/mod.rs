@@ -217,6 +217,10 @@ impl<'g> Worker<'g> {
             let at = (face.0 - faces.start) as usize;
             if let Some(reading) = reading {
                 out[at] = value_of(&reading, Method::Fit, options);
+                if mesh.is_lone(face) {
+                    // It is flat for all that is known, which is nothing.
+                    out[at].confidence = 0.0;
+                }
                 quality[at] = reading.quality;
             } else if let Some(frame) = Frame::at_barycentre(mesh, face) {
                 out[at] = super::curvature_at(mesh, face, &frame, options, None, disk);
