@@ -30,7 +30,7 @@ extern crate self as osculate;
 mod annotate;
 mod annotated;
 mod annotation;
-/// The command line, for the program and for bindings; no part of the interface.
+// For the program and for bindings; no part of the interface.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
@@ -72,7 +72,7 @@ pub mod stages {
     pub use crate::mesh::stages::{connect, weld};
 }
 
-/// The vectors of the interface.
+/// The vectors of the interface, whose version is part of it.
 pub use glam;
 
 pub use annotate::annotate;

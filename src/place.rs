@@ -31,7 +31,7 @@ impl Place {
     pub fn in_face(mesh: &Mesh, face: u64, [u, v]: [f64; 2]) -> Result<Self, Error> {
         let face = check_number(mesh, face)?;
         let weights = [1.0 - u - v, u, v];
-        if !weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)) {
+        if !are_inside(weights) {
             return Err(Error::Usage(format!(
                 "{u},{v} lies outside the face: both must be 0 or more, their sum at most 1"
             )));
@@ -73,9 +73,13 @@ impl Place {
     }
 
     /// # Errors
-    /// [`Error::Usage`] where no disk can be laid on the face, or there is no such face.
+    /// [`Error::Usage`] where no disk can be laid on the face, there is no such face or the weights are none.
     pub(crate) fn check(&self, mesh: &Mesh) -> Result<(), Error> {
         check_number(mesh, self.face.0.into())?;
+        if !are_inside(self.weights) {
+            let [a, b, c] = self.weights;
+            return Err(Error::Usage(format!("weights of corners must be 0 or more and add up to 1, not {a},{b},{c}")));
+        }
         match mesh.face_state(self.face) {
             FaceState::Sound => Ok(()),
             FaceState::Duplicate => Err(Error::Usage(format!(
@@ -86,6 +90,12 @@ impl Place {
             _ => Err(Error::Usage(format!("face {} has no area, so no disk can be laid on it", self.face.0))),
         }
     }
+}
+
+/// Whether weights are those of a point of a face, but for rounding.
+fn are_inside(weights: [f64; 3]) -> bool {
+    let [a, b, c] = weights;
+    weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)) && (a + b + c - 1.0).abs() <= 1e-9
 }
 
 fn check_number(mesh: &Mesh, face: u64) -> Result<u32, Error> {
@@ -134,6 +144,14 @@ mod tests {
                 }
             }
         }
+        for place in [
+            Place::barycentre(Face(400)),
+            Place { face: Face(0), weights: [f64::NAN, 0.5, 0.5] },
+            Place { face: Face(0), weights: [0.5; 3] },
+        ] {
+            assert!(place.check(&mesh).is_err_and(|e| e.is_usage()), "{place:?}");
+        }
+        assert!(Place::barycentre(Face(399)).check(&mesh).is_ok());
         assert!(Place::nearest(&mesh, DVec3::splat(50.0)).is_err());
         assert!(Place::in_face(&mesh, 400, [0.3, 0.3]).is_err() && Place::in_face(&mesh, 3, [0.8, 0.3]).is_err());
     }

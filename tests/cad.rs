@@ -124,6 +124,38 @@ fn fillets_of_few_cells_do_not_bend_into_flats_nor_flats_into_them() {
     }
 }
 
+/// A fillet that runs out into another one which bends the other way, with a flat between or without: nothing bends as both.
+#[test]
+fn two_fillets_of_opposite_signs_are_told_apart() {
+    const ROW: f64 = std::f64::consts::PI / 18.0;
+    let chord = 2.0 * (0.5 * ROW).sin();
+    for rows in [4, 6] {
+        let bends = [(0.0, 6), (1.0, rows), (0.0, 2), (-1.0, rows), (0.0, 6)];
+        let bends: Vec<f64> = bends.into_iter().flat_map(|(k, cells)| std::iter::repeat_n(k, cells)).collect();
+        let mut profile = vec![DVec3::ZERO];
+        let mut angle = 0.0_f64;
+        for k in &bends {
+            let middle = angle - 0.5 * k * ROW;
+            profile.push(profile[profile.len() - 1] + chord * DVec3::new(middle.cos(), 0.0, middle.sin()));
+            angle -= k * ROW;
+        }
+        let (across, along) = (profile.len() as u32, 24);
+        let vertex = |j: u32, p: &DVec3| [p.x, f64::from(j) * chord, p.z];
+        let points = (0..=along).flat_map(|j| profile.iter().map(move |p| vertex(j, p))).collect();
+        let cell = |a: u32| [[a, a + 1, a + across + 1], [a, a + across + 1, a + across]];
+        let faces = (0..along).flat_map(|j| (0..across - 1).flat_map(move |i| cell(j * across + i))).collect();
+        let values = values_of(&Soup::new(Positions::F64(points), faces), &CurvatureOptions::default());
+        let mut off = 0;
+        for (f, value) in values.iter().enumerate() {
+            let k = bends[f / 2 % bends.len()];
+            let larger = if value.k_max >= -value.k_min { value.k_max } else { value.k_min };
+            assert!(k * f64::from(larger) >= -1e-6 || value.confidence < 0.5, "face {f}: {larger} instead of {k}");
+            off += usize::from((f64::from(larger) - k).abs() > 0.1);
+        }
+        assert!(off as f64 <= 0.06 * values.len() as f64, "{rows} rows: {off} of {}", values.len());
+    }
+}
+
 /// Tessellators leave slivers without an area in the seams of flats.
 #[test]
 fn slivers_in_a_flat_do_not_bend_it() {

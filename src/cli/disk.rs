@@ -30,13 +30,11 @@ pub(super) fn run(args: &DiskArgs, messages: &Messages) -> Result<Outcome, Error
     let scene = LineScene { layers: &layers, origin: mesh.origin(), space: args.space.space(input.format)?, extras };
     let mut out = Output::create(&args.output)?;
     osculate::write_lines(&scene, &mut out)?;
-    out.settle()?;
-    let values = args.values.as_deref().map(open).transpose()?;
-    if let Some(mut out) = values {
+    let mut values = args.values.as_deref().map(open).transpose()?;
+    if let Some(out) = &mut values {
         out.write_all(diameters(&disk, &options).as_bytes()).map_err(|e| out.error(e))?;
-        out.finish()?;
     }
-    out.finish()?;
+    Output::finish_all(values.into_iter().chain([out]).collect())?;
     messages.info(&format!(
         "face {}: k_max {}, k_min {}, radius {}, coverage {}, {}",
         place.face.0,

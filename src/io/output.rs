@@ -2,7 +2,7 @@
 
 use super::destination::{Named, followed};
 use crate::error::Error;
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, IoSlice, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -64,7 +64,7 @@ impl Output {
                 let mut paths = unfinished();
                 let file = locked(|| builder.tempfile_in(folder)).map_err(failed)?;
                 // Those of outputs that were dropped are gone.
-                paths.retain(|path| path.exists());
+                paths.retain(|path| path.try_exists().unwrap_or(true));
                 paths.push(file.path().to_path_buf());
                 drop(paths);
                 if let Ok(existing) = existing {
@@ -158,12 +158,16 @@ impl Output {
 /// A new temporary file, locked, which tells other programs that it is not abandoned. One that another program took for
 /// such before it was is made again. File systems without locks are left with more than they need, not less.
 fn locked(make: impl Fn() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
-    loop {
+    /// Files made before one is taken as it is.
+    const TRIES: usize = 8;
+    for _ in 0..TRIES {
         let file = make()?;
-        if file.as_file().lock().is_err() || file.path().exists() {
+        let is_taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !is_taken && file.path().try_exists().unwrap_or(true) {
             return Ok(file);
         }
     }
+    make()
 }
 
 /// Gives a file the permissions of what it replaces, but no more than those of reading, writing and executing.
@@ -351,6 +355,24 @@ mod tests {
         assert_eq!(names(), 3);
         output.finish().expect("still there");
         remove_abandoned_outputs(&folder.path().join("none"));
+    }
+
+    #[test]
+    fn a_temporary_file_that_somebody_takes_away_is_made_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let made = std::cell::Cell::new(0);
+        let file = locked(|| {
+            let file = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempfile_in(&folder)?;
+            made.set(made.get() + 1);
+            if made.get() == 1 {
+                remove_abandoned_outputs(folder.path());
+            }
+            Ok(file)
+        });
+        let file = file.expect("a file");
+        assert!(made.get() == 2 && file.path().exists());
+        remove_abandoned_outputs(folder.path());
+        assert!(file.path().exists());
     }
 
     #[test]

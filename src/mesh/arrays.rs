@@ -126,18 +126,21 @@ mod tests {
         let (points, mut faces) = arrays();
         let count = faces.len() as u32;
         let sound = Soup::new(Positions::F64(points), faces.clone());
-        let soup = |bodies: &[std::ops::Range<u32>], faces: &[[u32; 3]]| {
-            let bodies = bodies.iter().map(|faces| Group { name: String::new(), faces: faces.clone() }).collect();
+        let soup = |bodies: &[(u32, u32)], faces: &[[u32; 3]]| {
+            let body = |&(start, end): &(u32, u32)| Group { name: String::new(), faces: start..end };
+            let bodies = bodies.iter().map(body).collect();
             let soup = Soup { bodies, triangles: faces.to_vec(), ..sound.clone() };
             Mesh::from_soup(&soup, &MeshOptions::default())
         };
-        assert!(soup(&[0..9, 9..9, 9..count], &faces).is_ok());
-        for bodies in [&[0..9][..], &[9..count], &[0..9, 10..count], &[0..9, 8..count], &[0..count + 1], &[]] {
+        assert!(soup(&[(0, 9), (9, 9), (9, count)], &faces).is_ok());
+        let wrong: [&[(u32, u32)]; 6] =
+            [&[(0, 9)], &[(9, count)], &[(0, 9), (10, count)], &[(0, 9), (8, count)], &[(0, count + 1)], &[]];
+        for bodies in wrong {
             let error = soup(bodies, &faces).expect_err("wrong bodies").to_string();
             assert_eq!(error, format!("the bodies must follow one another over all {count} faces"), "{bodies:?}");
         }
         faces[3][2] = u32::MAX;
-        let error = soup(std::slice::from_ref(&(0..count)), &faces).expect_err("out of range").to_string();
+        let error = soup(&[(0, count)], &faces).expect_err("out of range").to_string();
         assert!(error.starts_with("face 3 names vertex 4294967295"), "{error}");
     }
 

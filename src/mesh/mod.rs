@@ -423,6 +423,7 @@ fn state_of(face: [u32; 3], positions: &[DVec3]) -> FaceState {
     let rounding = 4.0 * f64::EPSILON * (u.length() * v.length() + size * u.length().max(v.length()));
     if u.cross(v).length() > rounding { FaceState::Sound } else { FaceState::NoArea }
 }
+
 /// Refuses bodies that leave faces out or share some.
 fn check_bodies(bodies: &[Group], faces: usize) -> Result<(), Error> {
     let follow = |end, body: &Group| (body.faces.start == end && body.faces.end >= end).then_some(body.faces.end);

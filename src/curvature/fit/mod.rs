@@ -183,8 +183,8 @@ fn look_aside<'g>(
         ground.work.advance(0);
         let faces = (chunk * CHUNK..).map(|f| Face(f as u32)).zip(out.iter_mut().zip(quality));
         let is_open = |face: Face, out: &FaceCurvature, quality: &Quality| {
-            let is_open = quality.is_open() && strips::is_in_row(mesh, face);
-            out.method != Method::OneSided && (is_open || strips::is_explained_by_chance(mesh, face, quality))
+            let is_unexplained = quality.is_open() && strips::is_in_row(mesh, face);
+            out.method != Method::OneSided && (is_unexplained || strips::is_explained_by_chance(mesh, face, quality))
         };
         for (face, (out, quality)) in faces.filter(|(face, (out, quality))| is_open(*face, out, quality)) {
             if let Some(reading) = strips::reading(&mut worker.surveyor, face, quality) {

@@ -20,8 +20,8 @@ pub(in crate::curvature::fit) struct Quantum {
     origin: DVec3,
     /// The rounding of floats of size one.
     of_one: f64,
-    /// That of the decimals; otherwise that of floats as large as the mesh, because a program that computed with such
-    /// floats has left as much near zero, too.
+    /// That of the decimals, or what flats tell ([`hidden`]), where that is more; otherwise that of floats as large as the
+    /// mesh, because a program that computed with such floats has left as much near zero, too.
     least: f64,
 }
 
@@ -70,32 +70,43 @@ pub(in crate::curvature::fit) fn quantum(mesh: &Mesh, width: f64) -> Quantum {
 }
 
 /// The rounding that coordinates had before they were scaled, turned or moved, which their digits do not tell: flats do,
-/// whose faces lie in one plane but for it. 0 where nothing tells of any.
+/// whose faces lie in one plane but for it, now above and now below. 0 where nothing tells of any. A power of two, so
+/// that it does not depend on which faces are looked at.
 fn hidden(mesh: &Mesh, written: &Quantum) -> f64 {
     /// Faces looked at.
-    const FACES: usize = 4096;
-    /// The share of the sharper folds below which a fold is none.
-    const NO_FOLD: f64 = 1e-4;
+    const FACES: usize = 1 << 16;
+    /// Where among the folds, from the least on, a sharp one is.
+    const SHARP: f64 = 0.995;
+    /// The share of the sharp fold below which a fold is none.
+    const NONE: f64 = 1e-4;
     /// Least share of edges that have to tell.
     const LEAST: f64 = 0.1;
+    /// Largest mean of what is off, in root mean squares: what bends is off to one side.
+    const ONE_SIDED: f64 = 0.2;
     let step = mesh.face_count().div_ceil(FACES);
-    let faces = (0..mesh.face_count()).step_by(step).map(|f| Face(f as u32)).filter(|&f| mesh.is_sound(f));
-    let inner = faces.flat_map(Face::half_edges).filter(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
-    // How far the corner beyond an edge is off the plane, and its share of the height there: the angle of the fold.
+    // How far the corner beyond an edge is above the plane, and its share of the height there: the angle of the fold.
     let fold = |h: HalfEdge| {
         let twin = mesh.topology().twin(h)?;
         let corner = mesh.position(mesh.topology().apex(twin));
-        let off = (corner - mesh.position(mesh.topology().origin(h))).dot(mesh.normal(h.face())).abs();
+        let off = (corner - mesh.position(mesh.topology().origin(h))).dot(mesh.normal(h.face()));
         let slack = 4.0 * written.around(corner, mesh.height(twin));
-        Some((off / mesh.height(twin), off, off > slack))
+        Some((off.abs() / mesh.height(twin), off, off.abs() > slack))
     };
+    let faces = (0..mesh.face_count()).into_par_iter().step_by(step).map(|f| Face(f as u32));
+    let sides = faces.filter(|&f| mesh.is_sound(f)).flat_map_iter(Face::half_edges);
+    let inner = sides.filter(|&h| mesh.edge_kind(h) == EdgeKind::Inner);
     let mut folds: Vec<(f64, f64, bool)> = inner.filter_map(fold).filter(|fold| fold.0.is_finite()).collect();
-    folds.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(sharp, ..)) = folds.get(folds.len() * 9 / 10) else { return 0.0 };
-    let flat = folds.iter().take_while(|fold| fold.0 < NO_FOLD * sharp).filter(|fold| fold.2);
+    folds.par_sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(sharp, ..)) = folds.get((folds.len() as f64 * SHARP) as usize) else { return 0.0 };
+    let flat = folds.iter().take_while(|fold| fold.0 < NONE * sharp).filter(|fold| fold.2);
     let mut off: Vec<f64> = flat.map(|fold| fold.1).collect();
-    off.sort_by(f64::total_cmp);
-    if (off.len() as f64) < LEAST * folds.len() as f64 { 0.0 } else { off.get(off.len() / 2).copied().unwrap_or(0.0) }
+    let count = off.len() as f64;
+    let (sum, squares) = off.iter().fold((0.0, 0.0), |(sum, squares), off| (sum + off, squares + off * off));
+    if count < LEAST * folds.len() as f64 || sum.abs() > ONE_SIDED * (count * squares).sqrt() {
+        return 0.0;
+    }
+    off.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    off.get(off.len() / 2).map_or(0.0, |off| off.abs().log2().ceil().exp2())
 }
 
 impl Digits {
@@ -174,6 +185,13 @@ mod tests {
         }
         .build()
         .soup;
+        // A cap that hardly bends, within a rim that bends much.
+        let lens = |[x, y, z]: [f64; 3]| {
+            let r = x.hypot(y);
+            [x, y, z - r * r / 2e5 - (r - 0.9).max(0.0).powi(2)]
+        };
+        let plane = Grid::new(Surface::Plane, 60, 60).build().soup;
+        assert!(of(&plane, &|p| turned(lens(p))) < 1e-14, "{}", of(&plane, &|p| turned(lens(p))));
         // Its cells are flat.
         let torus = Grid::new(Surface::Torus { major: 3.0, minor: 1.0 }, 200, 100).build().soup;
         let wave = Grid::new(Surface::Wave, 100, 100).build().soup;

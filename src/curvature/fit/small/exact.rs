@@ -34,10 +34,10 @@ pub(in crate::curvature::fit) struct Fit {
 
 impl Fit {
     /// The plane through the middle of the same window, in which vertices lie up to a distance.
-    pub(super) fn on_plane(&self, normal: DVec3, misfit: f64) -> Self {
+    pub(super) fn on_plane(&self, normal: DVec3, misfit: f64) -> Option<Self> {
         let frame = self.surface.frame;
-        let surface = Implicit::plane(frame, normal);
-        Fit { surface, simple: surface.f, misfit, error: misfit / frame.unit.powi(2), ..*self }
+        let surface = Implicit::plane(frame, normal)?;
+        Some(Fit { surface, simple: surface.f, misfit, error: misfit / frame.unit.powi(2), ..*self })
     }
 
     /// True for a plane.

@@ -217,7 +217,7 @@ impl<'g> Surveyor<'g> {
     /// smooth surface that bends does that.
     fn flat(&self, lane: usize, fit: &Fit) -> Option<Fit> {
         /// Least share of the window in the plane: less are a few vertices in a row, near enough.
-        const MOST: f64 = 0.6;
+        const LEAST: f64 = 0.6;
         let (ground, batch, seed) = (self.ground, &self.batch, self.batch.seeds[lane]);
         let (normal, centre) = (ground.mesh.normal(seed), batch.centres[lane]);
         let reach = self.rounding(fit);
@@ -228,8 +228,10 @@ impl<'g> Surveyor<'g> {
         }
         let points = &batch.points[..batch.counts[lane]];
         let inside = points.iter().filter(|points| points.get(lane).dot(normal).abs() <= reach).count();
-        (inside as f64 > MOST * points.len() as f64)
-            .then(|| fit.on_plane(normal, self.quantum.around(centre, fit.surface.frame.unit)))
+        if inside as f64 <= LEAST * points.len() as f64 {
+            return None;
+        }
+        fit.on_plane(normal, self.quantum.around(centre, fit.surface.frame.unit))
     }
 
     /// How far off a plane vertices of a fit's window look by rounding.

@@ -146,20 +146,25 @@ fn curvature_along(mesh: &Mesh, face: Face, exits: [HalfEdge; 2]) -> f64 {
     }
 }
 
-/// The curvature of the arc that the facets on both sides of an edge are chords of: it turns by half of what either
+/// The signed curvature of the arc that the facets on both sides of an edge are chords of: it turns by half of what either
 /// chord spans. `None` where they fold by more than any arc.
 fn arc_curvature(mesh: &Mesh, edge: HalfEdge) -> Option<f64> {
-    let twin = mesh.topology().twin(edge)?;
+    let topology = mesh.topology();
+    let twin = topology.twin(edge)?;
     let [a, b] = [edge, twin].map(|h| mesh.height(h));
     let (n, m) = (mesh.normal(edge.face()), mesh.normal(twin.face()));
     let fold = n.cross(m).length().atan2(n.dot(m));
+    if fold == 0.0 {
+        return Some(0.0);
+    }
     let mut k = 2.0 * fold / (a + b);
     // What the half angles of chords exceed their sines by is little where they fold by no sharp edge.
     for _ in 0..4 {
         let half = [a, b].map(|chord| (0.5 * k * chord).asin());
         k *= fold / (half[0] + half[1]);
     }
-    k.is_finite().then_some(k)
+    let beyond = mesh.position(topology.apex(twin)) - mesh.position(topology.origin(edge));
+    k.is_finite().then_some(if beyond.dot(n) < 0.0 { k } else { -k })
 }
 
 impl Strip {
@@ -214,9 +219,8 @@ impl Strip {
             for runs in self.runs(triangles).chunks(LANES) {
                 let windows = runs.iter().map(|run| self.window(mesh, run.clone())).collect();
                 for (run, reading) in runs.iter().zip(surveyor.read_strips(face, windows)) {
-                    let Some(reading) = reading.map(|reading| self.by_arcs(mesh, run, reading)).filter(&counts) else {
-                        continue;
-                    };
+                    let reading = reading.and_then(|reading| self.by_arcs(mesh, run, reading));
+                    let Some(reading) = reading.filter(&counts) else { continue };
                     // In powers of ten: among equals the one about the face.
                     let power =
                         if reading.quality.is_uneven { reading.error.log10().floor() } else { f64::NEG_INFINITY };
@@ -253,10 +257,10 @@ impl Strip {
         self.bounds.windows(2).filter(|b| run.contains(&b[0])).all(|b| b[1] - b[0] > 1)
     }
 
-    /// The bounds between the flat cells of a run, and the curvature of the arc that both cells beside each are chords of.
-    fn arcs(&self, mesh: &Mesh, run: &Range<usize>) -> Vec<(usize, f64)> {
-        let arc = |&bound: &usize| Some((bound, arc_curvature(mesh, self.between[bound - 1])?));
-        self.bounds.iter().filter(|&&bound| run.start < bound && bound < run.end).filter_map(arc).collect()
+    /// The curvature of the arcs that cells side by side in a run are chords of.
+    fn arcs(&self, mesh: &Mesh, run: &Range<usize>) -> Vec<Option<f64>> {
+        let within = self.bounds.iter().filter(|&&bound| run.start < bound && bound < run.end);
+        within.map(|&bound| arc_curvature(mesh, self.between[bound - 1])).collect()
     }
 
     /// Whether the folds between flat cells tell of a jump of curvature, or there are too few to tell.
@@ -264,29 +268,33 @@ impl Strip {
         /// Least share of the largest curvature in a run.
         const LEAST: f64 = 0.8;
         if !self.is_paired(run) {
-            return false;
+            // Where there are cells, a part of one tells nothing of how they fold.
+            return self.bounds.len() <= self.faces.len();
         }
-        let arcs = self.arcs(mesh, run);
-        let (least, most) = arcs.iter().fold((f64::MAX, 0.0), |(l, m), arc| (arc.1.min(l), arc.1.max(m)));
-        arcs.len() < 2 || least < LEAST * most
+        let arcs: Option<Vec<f64>> = self.arcs(mesh, run).into_iter().collect();
+        let Some([first, others @ ..]) = arcs.as_deref() else { return true };
+        let (low, high) = others.iter().fold((*first, *first), |(low, high), k| (k.min(low), k.max(high)));
+        let is_one = low >= LEAST * high && low >= 0.0 || high <= LEAST * low && high <= 0.0;
+        others.is_empty() || !is_one
     }
 
     /// A reading of a run, whose curvature is that of the arcs beside the middle where the run is of three cells: many
-    /// surfaces pass through their four folds.
-    fn by_arcs(&self, mesh: &Mesh, run: &Range<usize>, mut reading: Reading) -> Reading {
-        let arcs = if self.is_paired(run) { self.arcs(mesh, run) } else { Vec::new() };
-        let [a, b] = arcs[..] else { return reading };
-        let beside = |bound: usize| self.bounds[self.middle..=self.middle + 1].contains(&bound);
-        let size = match (beside(a.0), beside(b.0)) {
-            (true, true) => 0.5 * (a.1 + b.1),
-            (true, false) => a.1,
-            _ => b.1,
+    /// surfaces pass through their four folds. `None` where it bends the other way than they do.
+    fn by_arcs(&self, mesh: &Mesh, run: &Range<usize>, mut reading: Reading) -> Option<Reading> {
+        if !self.is_paired(run) {
+            return Some(reading);
+        }
+        let [Some(a), Some(b)] = self.arcs(mesh, run)[..] else { return Some(reading) };
+        let k = if self.bounds[self.middle] == run.start {
+            a
+        } else if self.bounds[self.middle + 1] == run.end {
+            b
+        } else {
+            0.5 * (a + b)
         };
-        let p = &mut reading.principal;
-        let across = if p.k_max >= -p.k_min { &mut p.k_max } else { &mut p.k_min };
-        *across = size.copysign(*across);
-        reading.error = reading.error.max(0.5 * (a.1 - b.1).abs());
-        reading
+        reading.principal = reading.principal.with_larger(k)?;
+        reading.error = reading.error.max(0.5 * (a - b).abs());
+        Some(reading)
     }
 
     fn window(&self, mesh: &Mesh, run: Range<usize>) -> StripWindow {
@@ -336,7 +344,7 @@ pub(in crate::curvature::fit) fn reading(
     let is_uneven = quality.is_uneven || own.is_infinite();
     let mut rows: Vec<(Way, [HalfEdge; 2])> =
         [Way::Ruled, Way::Long].into_iter().filter_map(|way| Some((way, way.edges(mesh, face, None)?))).collect();
-    rows.dedup_by_key(|(_, exits)| *exits);
+    rows.dedup_by(|(_, a), (_, b)| a.iter().all(|exit| b.contains(exit)));
     let mut best: Option<Scored> = None;
     for (way, exits) in rows {
         let strip = Strip::around(mesh, face, way, exits);
@@ -344,7 +352,9 @@ pub(in crate::curvature::fit) fn reading(
         best = strip.best(surveyor, face, best, |reading| {
             let across = reading.principal.size();
             let is_promising = reading.error < BETTER * own && !reading.quality.is_vague;
-            let is_better = !reading.quality.is_uneven && is_uneven || is_promising;
+            // Nor does a plane that does not explain its run.
+            let is_honest = across > 0.0 || !reading.quality.is_uneven;
+            let is_better = !reading.quality.is_uneven && is_uneven || is_promising && is_honest;
             let is_straight = across == 0.0 || along <= BENT * across;
             own > GOOD * across && is_straight && is_better
         });
@@ -353,5 +363,6 @@ pub(in crate::curvature::fit) fn reading(
             break;
         }
     }
-    best.map(|best| best.reading)
+    // A long facet has no better window; another is left to those that hold its neighbours along the fold.
+    best.filter(|best| best.is_on_one_side() || is_long(mesh, face)).map(|best| best.reading)
 }

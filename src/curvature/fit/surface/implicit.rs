@@ -15,12 +15,17 @@ pub(in crate::curvature::fit) struct Implicit {
 }
 
 impl Implicit {
-    /// The plane through a frame's origin whose normal is not across that of the frame.
-    pub(in crate::curvature::fit) fn plane(frame: LocalFrame, normal: DVec3) -> Self {
+    /// The plane through a frame's origin; `None` where it is steep in the frame.
+    pub(in crate::curvature::fit) fn plane(frame: LocalFrame, normal: DVec3) -> Option<Self> {
+        /// Slopes beyond ten are none that a window's mean normal has.
+        const STEEP: f64 = 0.1;
         let n = frame.axes.transpose() * normal;
+        if n.z.abs() < STEEP {
+            return None;
+        }
         let mut f = Polynomial { coefficients: [0.0; MOST], size: PLANE };
         f.coefficients[1..PLANE].copy_from_slice(&[-n.x / n.z, -n.y / n.z]);
-        Implicit { frame, f }
+        Some(Implicit { frame, f })
     }
 
     /// F at a local point.

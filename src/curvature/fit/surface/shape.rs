@@ -26,6 +26,18 @@ impl Principal {
     pub(in crate::curvature::fit) fn size(&self) -> f64 {
         self.k_max.abs().max(self.k_min.abs())
     }
+
+    /// The same with another value of the larger absolute curvature; `None` where that has another sign or is less than
+    /// the other one.
+    pub(in crate::curvature::fit) fn with_larger(self, k: f64) -> Option<Self> {
+        if k >= 0.0 && self.k_max >= -self.k_min {
+            (k >= self.k_min).then_some(Principal { k_max: k, ..self })
+        } else if k <= 0.0 && self.k_max <= -self.k_min {
+            (k <= self.k_max).then_some(Principal { k_min: k, ..self })
+        } else {
+            None
+        }
+    }
 }
 
 impl<T: Real> Principal<T> {
