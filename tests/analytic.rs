@@ -4,7 +4,7 @@ mod common;
 
 use common::{percentile, size, synthetic};
 use osculate::synth::{Grid, Surface};
-use osculate::{CurvatureOptions, Estimator, FaceClass, Radius};
+use osculate::{CurvatureOptions, Estimator, FaceClass, FaceCurvature, Method, Radius};
 
 const TORUS: Surface = Surface::Torus { major: 3.0, minor: 1.0 };
 
@@ -125,6 +125,20 @@ fn a_finer_mesh_is_not_worse() {
                 assert!(fine[i] <= coarse[i], "{surface:?} {estimator:?}: {coarse:?} then {fine:?}");
                 assert!(fine[i] < 2.5, "{surface:?} {estimator:?}: {fine:?}");
             }
+        }
+    }
+}
+
+/// Where a surface hardly bends, a plane may be all that a coarse window tells: not that it is one.
+#[test]
+fn a_plane_that_does_not_explain_its_window_has_no_confidence() {
+    for (u, v) in [(31, 31), (31, 32), (33, 33)] {
+        let (values, exact) = synthetic(&Grid::new(Surface::MonkeySaddle, u, v), &CurvatureOptions::default());
+        let is_plane = |value: &FaceCurvature| value.method == Method::Fit && value.k_max == 0.0 && value.k_min == 0.0;
+        let planes: Vec<_> = values.iter().zip(&exact).filter(|(value, _)| is_plane(value)).collect();
+        assert!(!planes.is_empty(), "nothing is tested");
+        for (value, exact) in planes {
+            assert!(size(exact) < 1e-3 || value.confidence < 0.1, "{u} x {v}: {}", value.confidence);
         }
     }
 }

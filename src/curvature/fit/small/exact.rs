@@ -241,7 +241,8 @@ impl Fits {
         let surface = Implicit { frame, f: self.surface.polynomial(lane) };
         let simple = self.simple.polynomial(lane);
         let misfit = self.deviation.0[lane] * unit;
-        let error = if surface.f.size < PARABOLOID { 0.0 } else { self.error.0[lane] / unit };
+        // What a plane leaves may be how the surface bends.
+        let error = if surface.f.size < PARABOLOID { 2.0 * self.deviation.0[lane] } else { self.error.0[lane] } / unit;
         Outcome::Fitted(Fit { surface, simple, radius, coverage, misfit, error })
     }
 }
