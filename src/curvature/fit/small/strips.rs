@@ -4,6 +4,9 @@
 //! What lies beside it, over its long sides, tells how the surface bends there. So here windows are runs of facets
 //! that share long edges. Near a jump of curvature, where a fillet runs out into a flat, the run that lies
 //! on one side of it explains itself best, as in [`super::one_sided`].
+//!
+//! Where facets lie in one plane with their neighbours along a fold, as those of a fillet do that is meshed evenly, all of
+//! them together are like one long facet, and rows go across the folds.
 
 use super::first::{Quality, Reading, Surveyor};
 use crate::curvature::fit::around::rulings::{Folds, NO_FOLD, rulings};
@@ -103,8 +106,8 @@ enum Way {
 impl Way {
     /// The edges over which a row goes on from a facet; `entered` is that by which it came.
     fn edges(self, mesh: &Mesh, face: Face, entered: Option<HalfEdge>) -> Option<[HalfEdge; 2]> {
-        let ruled = || ruled_edges(mesh, face, entered).filter(|_| self == Way::Ruled);
-        ruled().or_else(|| long_edges(mesh, face, LONG))
+        let ruled = if self == Way::Ruled { ruled_edges(mesh, face, entered) } else { None };
+        ruled.or_else(|| long_edges(mesh, face, LONG))
     }
 }
 
